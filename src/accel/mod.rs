@@ -1,0 +1,80 @@
+//! Which primitive does a ray meet first, and is anything in its way: an 8-wide bounding volume
+//! hierarchy over triangles and spheres.
+//!
+//! Triangles are tested with the watertight method, boxes are padded by its error bound: a ray
+//! that passes through the common edge of two triangles hits at least one. Of several primitives
+//! at the same distance the one with the lowest number is hit, so the answer does not depend on
+//! the tree. All kernels give the same bits.
+//!
+//! Knows shapes and boxes, never materials, files or threads.
+
+mod build;
+mod kernel;
+mod node;
+mod simd;
+mod triangle_block;
+
+use crate::geometry::{Hit, Sphere};
+use crate::math::{Aabb, Ray};
+use glam::Vec3;
+use kernel::Kernel;
+use node::Node;
+use triangle_block::TriangleBlock;
+
+/// Eight children, or eight triangles, are tested at once.
+const WIDTH: usize = 8;
+
+/// Triangles and spheres arranged for ray queries.
+#[derive(Debug)]
+pub struct Bvh {
+    nodes: Vec<Node>,
+    blocks: Vec<TriangleBlock>,
+    spheres: Vec<Sphere>,
+    /// The number of the first sphere: triangles are numbered before.
+    first_sphere: u32,
+    bounds: Aabb,
+    kernel: Kernel,
+}
+
+/// Scratch space of ray queries, one for each thread, and the count of its rays.
+#[derive(Debug, Default)]
+pub struct Traversal {
+    stack: Vec<u64>,
+    /// How many queries have been answered.
+    pub rays: u64,
+}
+
+impl Bvh {
+    /// Arranges `triangles`, numbered from 0, and `spheres`, numbered after them.
+    ///
+    /// Coordinates are finite; there are fewer than 2^30 of either.
+    pub fn new(triangles: &[[Vec3; 3]], spheres: Vec<Sphere>) -> Bvh {
+        build::build(triangles, spheres, Kernel::detect())
+    }
+
+    /// The box around everything.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Bytes of the tree and what hangs in it.
+    pub fn memory(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.spheres)
+    }
+
+    /// The nearest primitive that the ray meets, or none. It looks all the way: `t_max` only bounds
+    /// [`Bvh::occluded`].
+    pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Option<Hit> {
+        traversal.rays += 1;
+        kernel::closest(self, ray, &mut traversal.stack)
+    }
+
+    /// Whether anything lies in the ray's interval.
+    pub fn occluded(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
+        traversal.rays += 1;
+        kernel::occluded(self, ray, &mut traversal.stack)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,64 @@
+/// Frames and the times they show.
+///
+/// The first frame is the first key's, the last frame the last key's; those between are equally
+/// spaced. A duration that is not a whole number of frames is thereby stretched to the nearest one
+/// in the video, by less than half a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Timeline {
+    /// Frames per second of the video.
+    pub fps: f64,
+    /// Time of the first key, in seconds.
+    pub start: f64,
+    /// Time of the last key, in seconds; not before `start`.
+    pub end: f64,
+}
+
+impl Timeline {
+    /// How many frames there are; at least 1.
+    pub fn frame_count(&self) -> u32 {
+        ((self.end - self.start) * self.fps).round() as u32 + 1
+    }
+
+    /// The time of frame `frame`, in seconds, from the frame's number alone.
+    ///
+    /// `frame` is below [`Timeline::frame_count`].
+    pub fn time_of(&self, frame: u32) -> f64 {
+        let last = self.frame_count() - 1;
+        if frame == last {
+            return if last == 0 { self.start } else { self.end };
+        }
+        self.start + (self.end - self.start) * (f64::from(frame) / f64::from(last))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_and_last_frame_land_on_the_keys() {
+        for (fps, start, end, frames) in [
+            (25.0, 0.0, 4.0, 101),
+            (23.976, 1.0, 3.1, 51),
+            (30.0, 2.0, 2.0, 1),
+            (24.0, 0.1, 0.7, 15),
+        ] {
+            let timeline = Timeline { fps, start, end };
+            assert_eq!(timeline.frame_count(), frames);
+            assert_eq!(timeline.time_of(0), start);
+            assert_eq!(timeline.time_of(frames - 1), end);
+        }
+    }
+
+    #[test]
+    fn frames_between_are_equally_spaced() {
+        let timeline = Timeline {
+            fps: 10.0,
+            start: 1.0,
+            end: 2.0,
+        };
+        for frame in 0..=10 {
+            assert!((timeline.time_of(frame) - (1.0 + f64::from(frame) / 10.0)).abs() < 1e-12);
+        }
+    }
+}

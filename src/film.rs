@@ -1,0 +1,86 @@
+//! A frame in linear light, and its encoding for display.
+
+use crate::math::color::linear_to_srgb;
+use glam::Vec3;
+
+/// A finished frame: linear RGB, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    width: u32,
+    height: u32,
+    pixels: Vec<Vec3>,
+}
+
+impl Film {
+    /// A black frame.
+    pub fn new(width: u32, height: u32) -> Film {
+        Film {
+            width,
+            height,
+            pixels: vec![Vec3::ZERO; width as usize * height as usize],
+        }
+    }
+
+    /// Columns.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// The pixels, row by row from the top left.
+    pub fn pixels(&self) -> &[Vec3] {
+        &self.pixels
+    }
+
+    /// The pixels, to be written.
+    pub fn pixels_mut(&mut self) -> &mut [Vec3] {
+        &mut self.pixels
+    }
+
+    /// Multiplies all light by 2^`ev`.
+    pub fn expose(&mut self, ev: f32) {
+        let factor = ev.exp2();
+        for pixel in &mut self.pixels {
+            *pixel *= factor;
+        }
+    }
+
+    /// sRGB codes of 8 bits, rounded, light beyond 1 clipped: R, G, B by pixel.
+    pub fn to_srgb8(&self) -> Vec<u8> {
+        self.codes().map(|c| (c * 255.0).round() as u8).collect()
+    }
+
+    /// sRGB codes of 16 bits in big-endian byte order, as PNG wants them.
+    pub fn to_srgb16_be(&self) -> Vec<u8> {
+        self.codes()
+            .flat_map(|c| ((c * 65535.0).round() as u16).to_be_bytes())
+            .collect()
+    }
+
+    fn codes(&self) -> impl Iterator<Item = f32> + '_ {
+        let channels = self.pixels.iter().flat_map(|p| p.to_array());
+        channels.map(linear_to_srgb)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exposes_encodes_and_rounds() {
+        let mut film = Film::new(2, 1);
+        film.pixels_mut()
+            .copy_from_slice(&[Vec3::new(0.25, 0.11, 1.0), Vec3::new(0.0, -1.0, 9.0)]);
+        film.expose(1.0);
+        // 0.5 -> 0.735357 * 255 = 187.52 -> 188; 0.22 -> 0.506391 * 255 = 129.13 -> 129.
+        assert_eq!(film.to_srgb8(), [188, 129, 255, 0, 0, 255]);
+        let codes = film.to_srgb16_be();
+        assert_eq!(codes[..2], 48192_u16.to_be_bytes());
+        assert_eq!(codes[6..], [0, 0, 0, 0, 255, 255]);
+    }
+}

@@ -1,0 +1,15 @@
+//! Shapes in world space and what a ray's meeting with one leaves behind.
+//!
+//! Knows nothing of materials, files or acceleration structures.
+
+mod hit;
+mod mesh;
+mod sphere;
+mod transform;
+mod triangle;
+
+pub use hit::Hit;
+pub use mesh::{Mesh, MeshPoint};
+pub use sphere::Sphere;
+pub use transform::Transform;
+pub use triangle::plane_distance;

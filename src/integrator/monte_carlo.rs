@@ -1,0 +1,128 @@
+use super::direct::direct;
+use super::{ambient, reflect};
+use crate::accel::Traversal;
+use crate::math::{Ray, to_world};
+use crate::sampling::{Sequence, cosine_hemisphere};
+use crate::scene::{Scene, Surface};
+use glam::Vec3;
+
+/// An unbiased estimate of the light along a camera ray, all paths of up to `bounces` bounces
+/// counted. Light that a mirror throws from a point light onto a surface (a caustic) is not.
+pub(super) fn radiance(
+    scene: &Scene,
+    ray: &Ray,
+    bounces: u32,
+    splits: &[u32],
+    sequence: Sequence,
+    index: u32,
+    traversal: &mut Traversal,
+) -> Vec3 {
+    let mut estimator = Estimator {
+        scene,
+        bounces,
+        splits,
+        sequence,
+        traversal,
+    };
+    let path = Path {
+        depth: 0,
+        diffuse_bounces: 0,
+        index,
+    };
+    estimator.radiance(ray, path)
+}
+
+struct Estimator<'a> {
+    scene: &'a Scene,
+    bounces: u32,
+    splits: &'a [u32],
+    sequence: Sequence,
+    traversal: &'a mut Traversal,
+}
+
+/// How a ray came to be.
+#[derive(Clone, Copy)]
+struct Path {
+    /// Bounces since the camera.
+    depth: u32,
+    /// Those of them that were diffuse.
+    diffuse_bounces: usize,
+    /// Its number among the paths of this depth in the pixel.
+    index: u32,
+}
+
+impl Estimator<'_> {
+    fn radiance(&mut self, ray: &Ray, path: Path) -> Vec3 {
+        let Some(hit) = self.scene.closest(ray, self.traversal) else {
+            return self.scene.background;
+        };
+        let surface = self.scene.surface(ray, &hit);
+        let reflectance = &surface.reflectance;
+        let mirror = reflectance.reflective;
+        let own = Vec3::ONE - mirror;
+        let mut sum = Vec3::ZERO;
+        if own != Vec3::ZERO {
+            sum += own * direct(self.scene, &surface, -ray.direction, self.traversal);
+        }
+        let diffuse = own * reflectance.diffuse;
+        if path.depth == self.bounces {
+            sum + (diffuse + mirror) * ambient(self.scene)
+        } else if path.diffuse_bounces == 0 {
+            // What the camera sees, also through mirrors, is worth both.
+            sum + self.gather(ray, &surface, diffuse, Vec3::ZERO, path)
+                + self.follow_mirror(ray, &surface, mirror, path)
+        } else {
+            sum + self.gather(ray, &surface, diffuse, mirror, path)
+        }
+    }
+
+    fn follow_mirror(&mut self, ray: &Ray, surface: &Surface, mirror: Vec3, path: Path) -> Vec3 {
+        if mirror == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        let next = Path {
+            depth: path.depth + 1,
+            ..path
+        };
+        mirror * self.radiance(&reflect(surface, ray), next)
+    }
+
+    /// The mean over as many paths as the schedule gives, each leaving by the diffuse lobe or by
+    /// the mirror with a chance in proportion to what they reflect.
+    fn gather(
+        &mut self,
+        ray: &Ray,
+        surface: &Surface,
+        diffuse: Vec3,
+        mirror: Vec3,
+        path: Path,
+    ) -> Vec3 {
+        let (diffuse_share, mirror_share) = (diffuse.element_sum(), mirror.element_sum());
+        if diffuse_share + mirror_share == 0.0 {
+            return Vec3::ZERO;
+        }
+        let mirror_chance = mirror_share / (diffuse_share + mirror_share);
+        let count = self.splits.get(path.diffuse_bounces).copied().unwrap_or(1);
+        let mut sum = Vec3::ZERO;
+        for i in 0..count {
+            let next = Path {
+                depth: path.depth + 1,
+                diffuse_bounces: path.diffuse_bounces + 1,
+                index: path.index.wrapping_mul(count).wrapping_add(i),
+            };
+            let [u, v, lobe, _] = self.sequence.sample_4d(next.index, next.depth);
+            if lobe < mirror_chance {
+                let weight = mirror / mirror_chance;
+                sum += self.follow_mirror(ray, surface, weight, Path { index: next.index, ..path });
+                continue;
+            }
+            let direction = to_world(surface.shading_normal, cosine_hemisphere(u, v));
+            // Below the shape's own horizon an interpolated normal gathers nothing.
+            if direction.dot(surface.geometric_normal) > 0.0 {
+                let weight = diffuse / (1.0 - mirror_chance);
+                sum += weight * self.radiance(&surface.leave(direction), next);
+            }
+        }
+        sum / count as f32
+    }
+}

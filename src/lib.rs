@@ -1,0 +1,34 @@
+//! Renders pre-recorded camera fly-throughs.
+//!
+//! Data flows one way: scene and camera path files → resolved scene and camera path → frame →
+//! film → image file. What is parsed is checked and resolved once, in [`input`]; the tracer sees
+//! no strings, no missing values, no degrees.
+//!
+//! Conventions, everywhere inside: right-handed world with +Y up, the camera looks along −Z;
+//! metres, seconds, radians; colours are linear RGB with sRGB primaries until the film is encoded.
+//!
+//! Modules import only from lower layers:
+//!
+//! | layer | modules | never know |
+//! |---|---|---|
+//! | 0 | [`math`] | anything above |
+//! | 1 | [`sampling`], [`geometry`], [`texture`], [`film`] | files, threads, the scene |
+//! | 2 | [`accel`], [`material`], [`light`], [`camera`] | each other, files, threads |
+//! | 3 | [`scene`] | how light is gathered, files |
+//! | 4 | [`integrator`] | pixels, frames, time |
+//! | 5 | [`render`] | file formats, folders, terminals |
+//! | 6 | [`input`], [`output`] | each other, the command line |
+//! | 7 | [`cli`] | the mathematics |
+
+pub mod accel;
+pub mod camera;
+pub mod film;
+pub mod geometry;
+pub mod integrator;
+pub mod light;
+pub mod material;
+pub mod math;
+pub mod render;
+pub mod sampling;
+pub mod scene;
+pub mod texture;

@@ -1,0 +1,126 @@
+//! How surfaces return light: Lambert plus Phong, blended with a mirror.
+//!
+//! Conventions, for all functions here: directions are of unit length and point away from the
+//! surface; the shading normal is on the viewer's side; colours are linear. A Lambert surface
+//! reflects alike on both sides.
+
+use crate::texture::Texture;
+use glam::{Vec2, Vec3};
+
+/// A material as the scene defines it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Diffuse reflectance, 0..1; multiplied by the texture where there is one.
+    pub diffuse: Vec3,
+    /// The number of a texture of the scene.
+    pub texture: Option<usize>,
+    /// Weight of the Phong highlight, 0 or more.
+    pub specular: Vec3,
+    /// Exponent of the Phong highlight, 0 or more.
+    pub shininess: f32,
+    /// The share of the light that a mirror gives, 0..1; the rest is the surface's own.
+    pub reflective: Vec3,
+}
+
+impl Material {
+    /// The material at texture coordinate `uv`.
+    pub fn at(&self, uv: Vec2, textures: &[Texture]) -> Reflectance {
+        let texel = self.texture.map_or(Vec3::ONE, |id| textures[id].sample(uv));
+        Reflectance {
+            diffuse: self.diffuse * texel,
+            specular: self.specular,
+            shininess: self.shininess,
+            reflective: self.reflective,
+        }
+    }
+}
+
+/// A material at one point, its texture read.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reflectance {
+    /// Diffuse reflectance, 0..1.
+    pub diffuse: Vec3,
+    /// Weight of the Phong highlight.
+    pub specular: Vec3,
+    /// Exponent of the Phong highlight.
+    pub shininess: f32,
+    /// The share of the light that a mirror gives, 0..1.
+    pub reflective: Vec3,
+}
+
+impl Reflectance {
+    /// The mean of three, weighted by barycentric coordinates that sum to 1.
+    pub fn barycentric(corners: [Reflectance; 3], weights: [f32; 3]) -> Reflectance {
+        let mix = |of: fn(&Reflectance) -> Vec3| {
+            of(&corners[0]) * weights[0] + of(&corners[1]) * weights[1] + of(&corners[2]) * weights[2]
+        };
+        Reflectance {
+            diffuse: mix(|r| r.diffuse),
+            specular: mix(|r| r.specular),
+            shininess: mix(|r| Vec3::splat(r.shininess)).x,
+            reflective: mix(|r| r.reflective),
+        }
+    }
+
+    /// The factor on a light's colour: kd cos + ks (R.V)^shininess, cos = N.L, for light arriving
+    /// from `to_light` and leaving to `to_viewer` (Phong 1975). Zero for light from behind.
+    #[inline]
+    pub fn reflect_light(&self, normal: Vec3, to_light: Vec3, to_viewer: Vec3) -> Vec3 {
+        let cos = normal.dot(to_light);
+        if cos <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let mut factor = self.diffuse * cos;
+        if self.specular != Vec3::ZERO {
+            let highlight = mirror(to_light, normal).dot(to_viewer).max(0.0);
+            factor += self.specular * highlight.powf(self.shininess);
+        }
+        factor
+    }
+}
+
+/// `direction` mirrored at a surface with unit `normal`; both it and the result point away.
+#[inline]
+pub fn mirror(direction: Vec3, normal: Vec3) -> Vec3 {
+    normal * (2.0 * normal.dot(direction)) - direction
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLASTIC: Reflectance = Reflectance {
+        diffuse: Vec3::new(0.5, 0.25, 0.0),
+        specular: Vec3::splat(0.5),
+        shininess: 2.0,
+        reflective: Vec3::ZERO,
+    };
+
+    #[test]
+    fn lambert_and_phong_by_hand() {
+        let sixty = Vec3::new(0.75_f32.sqrt(), 0.5, 0.0);
+        // Viewer along the mirrored light: cos = 1/2, R.V = 1.
+        let seen = PLASTIC.reflect_light(Vec3::Y, sixty, mirror(sixty, Vec3::Y));
+        assert!((seen - Vec3::new(0.75, 0.625, 0.5)).length() < 1e-6);
+        // Viewer along the normal: R.V = 1/2, squared a quarter, times 1/2.
+        let seen = PLASTIC.reflect_light(Vec3::Y, sixty, Vec3::Y);
+        assert!((seen - Vec3::new(0.375, 0.25, 0.125)).length() < 1e-6);
+        // Light from below the surface.
+        assert_eq!(PLASTIC.reflect_light(Vec3::Y, -sixty, Vec3::Y), Vec3::ZERO);
+    }
+
+    #[test]
+    fn corners_mix_in_every_part() {
+        let other = Reflectance {
+            diffuse: Vec3::ONE,
+            specular: Vec3::ZERO,
+            shininess: 10.0,
+            reflective: Vec3::X,
+        };
+        let mixed = Reflectance::barycentric([PLASTIC, other, other], [0.5, 0.25, 0.25]);
+        assert_eq!(mixed.diffuse, Vec3::new(0.75, 0.625, 0.5));
+        assert_eq!(mixed.specular, Vec3::splat(0.25));
+        assert_eq!(mixed.shininess, 6.0);
+        assert_eq!(mixed.reflective, Vec3::new(0.5, 0.0, 0.0));
+    }
+}

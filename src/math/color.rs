@@ -1,0 +1,51 @@
+//! The sRGB transfer function (IEC 61966-2-1), both ways.
+//!
+//! Colours are linear RGB triples with sRGB primaries everywhere in the program;
+//! only textures come in and frames go out through these functions.
+
+/// The linear value of an sRGB-encoded one, both in 0..1.
+pub fn srgb_to_linear(encoded: f32) -> f32 {
+    if encoded <= 0.04045 {
+        encoded / 12.92
+    } else {
+        ((encoded + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// The sRGB encoding of a linear value; below 0 gives 0, above 1 gives 1, NaN gives 0.
+pub fn linear_to_srgb(linear: f32) -> f32 {
+    if linear.is_nan() || linear <= 0.0 {
+        0.0
+    } else if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else if linear < 1.0 {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    } else {
+        1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_8_and_16_bit_code_survives_the_round_trip() {
+        for levels in [255.0_f32, 65535.0] {
+            for code in 0..=levels as u32 {
+                let encoded = code as f32 / levels;
+                let back = linear_to_srgb(srgb_to_linear(encoded)) * levels;
+                assert_eq!(back.round() as u32, code);
+            }
+        }
+    }
+
+    #[test]
+    fn known_values_of_the_standard() {
+        assert!((srgb_to_linear(0.5) - 0.214_041).abs() < 1e-6);
+        assert!((linear_to_srgb(0.18) - 0.461_356).abs() < 1e-5);
+        assert_eq!(linear_to_srgb(7.0), 1.0);
+        assert_eq!(linear_to_srgb(-1.0), 0.0);
+        assert_eq!(linear_to_srgb(f32::NAN), 0.0);
+    }
+}

@@ -1,0 +1,12 @@
+//! Rays, boxes, bases, floating-point bounds and colour transfer functions.
+//!
+//! Knows nothing of shapes, files or threads.
+
+mod aabb;
+mod basis;
+pub mod color;
+mod ray;
+
+pub use aabb::Aabb;
+pub use basis::to_world;
+pub use ray::{NO_PRIMITIVE, Ray};

@@ -1,0 +1,80 @@
+use super::frame::{RenderedFrame, render_frame};
+use super::settings::RenderSettings;
+use crate::camera::CameraPath;
+use crate::scene::Scene;
+use std::sync::Mutex;
+use std::thread;
+
+/// Films alive at once. While one frame's last tiles are finished and its file is written, the
+/// next frame's tiles keep the other threads busy; more would only cost memory.
+const FRAMES_IN_FLIGHT: usize = 2;
+
+/// Why a frame could not be kept.
+pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Takes finished frames, from several threads and in no fixed order.
+pub trait FrameSink: Sync {
+    /// Keeps a frame for good, or says why it could not.
+    fn keep(&self, frame: u32, rendered: RenderedFrame) -> Result<(), SinkError>;
+}
+
+/// Is told how the work goes on, from several threads.
+pub trait Observer: Sync {
+    /// A tile is finished; it took `rays` rays.
+    fn tile_done(&self, rays: u64);
+    /// A frame is finished and kept, or failed.
+    fn frame_done(&self, frame: u32, failure: Option<&SinkError>);
+}
+
+/// How a sequence went.
+#[derive(Debug, Default)]
+pub struct Outcome {
+    /// The frames that were not kept and why, by number.
+    pub failures: Vec<(u32, SinkError)>,
+    /// Rays traced in all frames.
+    pub rays: u64,
+    /// Samples that were replaced by black because they were not finite.
+    pub non_finite_samples: u64,
+}
+
+/// Renders the numbered frames of a camera path, in the order given, each on all threads of the
+/// pool, and hands them to `sink`. A frame that fails does not stop the others.
+pub fn render_sequence(
+    scene: &Scene,
+    path: &CameraPath,
+    settings: &RenderSettings,
+    frames: &[u32],
+    pool: &rayon::ThreadPool,
+    sink: &dyn FrameSink,
+    observer: &dyn Observer,
+) -> Outcome {
+    let queue = Mutex::new(frames.iter().copied());
+    let outcome = Mutex::new(Outcome::default());
+    let next = || queue.lock().expect("no holder panics").next();
+    let drive = || {
+        while let Some(frame) = next() {
+            let camera = path.camera(frame);
+            let tile_done = |rays| observer.tile_done(rays);
+            let (rays, non_finite_samples, kept) = pool.install(|| {
+                let rendered = render_frame(scene, &camera, settings, frame, &tile_done);
+                let (rays, non_finite) = (rendered.rays, rendered.non_finite_samples);
+                (rays, non_finite, sink.keep(frame, rendered))
+            });
+            observer.frame_done(frame, kept.as_ref().err());
+            let mut outcome = outcome.lock().expect("no holder panics");
+            outcome.rays += rays;
+            outcome.non_finite_samples += non_finite_samples;
+            outcome.failures.extend(kept.err().map(|error| (frame, error)));
+        }
+    };
+    // The drivers wait outside the pool, so that no pool thread can be caught running one frame
+    // inside another and hold it back.
+    thread::scope(|scope| {
+        for _ in 0..FRAMES_IN_FLIGHT {
+            scope.spawn(drive);
+        }
+    });
+    let mut outcome = outcome.into_inner().expect("no holder panics");
+    outcome.failures.sort_by_key(|(frame, _)| *frame);
+    outcome
+}

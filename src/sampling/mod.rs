@@ -1,0 +1,10 @@
+//! Sample numbers and the shapes they are warped to.
+//!
+//! Every number is a function of (seed, frame, pixel, sample, dimension), so a pixel is the
+//! same whatever thread, order or machine renders it.
+
+mod sequence;
+mod warp;
+
+pub use sequence::Sequence;
+pub use warp::cosine_hemisphere;

@@ -1,0 +1,128 @@
+use super::Scene;
+use crate::accel::Bvh;
+use crate::geometry::{Mesh, Sphere};
+use crate::light::PointLight;
+use crate::material::Material;
+use crate::texture::Texture;
+use glam::{DVec3, Vec2, Vec3};
+
+/// The materials of a mesh, as numbers of the scene's materials.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum MeshMaterial {
+    /// One for the whole mesh.
+    Uniform(usize),
+    /// One for each corner of the mesh's only triangle, mixed barycentrically.
+    PerVertex([usize; 3]),
+}
+
+/// A mesh in world coordinates, in double precision, before the scene's origin is known.
+#[derive(Clone, Debug)]
+pub struct SourceMesh {
+    /// Corner positions.
+    pub positions: Vec<DVec3>,
+    /// Unit normals for each corner, or none; a zero vector asks for the triangle's own.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates for each corner, or none.
+    pub uvs: Vec<Vec2>,
+    /// Corner indices.
+    pub triangles: Vec<[u32; 3]>,
+    /// What it is made of.
+    pub material: MeshMaterial,
+}
+
+/// A scene in the making: parts in world coordinates, all finite, all numbers valid.
+#[derive(Debug, Default)]
+pub struct SceneBuilder {
+    /// The scene's ambient colour.
+    pub ambient: Vec3,
+    /// What a ray that leaves the scene sees.
+    pub background: Vec3,
+    /// All materials.
+    pub materials: Vec<Material>,
+    /// All textures.
+    pub textures: Vec<Texture>,
+    /// World positions and the lights; the position inside the light is not looked at.
+    pub lights: Vec<(DVec3, PointLight)>,
+    /// Spheres in world coordinates with the numbers of their materials.
+    pub spheres: Vec<(Sphere, usize)>,
+    /// Meshes.
+    pub meshes: Vec<SourceMesh>,
+}
+
+impl SceneBuilder {
+    /// Arranges the scene for rays. Also returns how many triangles without area were dropped.
+    pub fn build(self) -> (Scene, usize) {
+        let origin = self.origin();
+        let relative = |p: DVec3| (p - origin).as_vec3();
+        let mut dropped = 0;
+        let mut meshes = Vec::new();
+        let mut mesh_materials = Vec::new();
+        for source in self.meshes {
+            let mut mesh = Mesh {
+                positions: source.positions.into_iter().map(relative).collect(),
+                normals: source.normals,
+                uvs: source.uvs,
+                triangles: source.triangles,
+            };
+            dropped += mesh.drop_degenerate();
+            if !mesh.triangles.is_empty() {
+                meshes.push(mesh);
+                mesh_materials.push(source.material);
+            }
+        }
+        let (spheres, sphere_materials): (Vec<Sphere>, Vec<usize>) = self
+            .spheres
+            .into_iter()
+            .map(|(sphere, material)| {
+                let center = sphere.center - origin;
+                (Sphere { center, ..sphere }, material)
+            })
+            .unzip();
+        let lights = self.lights.into_iter().map(|(position, light)| PointLight {
+            position: relative(position),
+            ..light
+        });
+
+        let mut triangles = Vec::new();
+        let mut first_triangles = Vec::new();
+        for mesh in &meshes {
+            first_triangles.push(triangles.len() as u32);
+            triangles.extend((0..mesh.triangles.len()).map(|i| mesh.corners(i)));
+        }
+        let bvh = Bvh::new(&triangles, spheres.clone());
+        let bounds = bvh.bounds();
+        let scene = Scene {
+            origin,
+            lights: lights.collect(),
+            ambient: self.ambient,
+            background: self.background,
+            mesh_materials,
+            first_triangles,
+            sphere_materials,
+            materials: self.materials,
+            textures: self.textures,
+            bvh,
+            magnitude: bounds.max.max(-bounds.min).max_element().max(0.0),
+            triangle_count: triangles.len() as u32,
+            meshes,
+            spheres,
+        };
+        (scene, dropped)
+    }
+
+    /// The middle of what is kept in single precision: corners and lights; or else of the spheres.
+    fn origin(&self) -> DVec3 {
+        let corners = self.meshes.iter().flat_map(|m| m.positions.iter().copied());
+        let lights = self.lights.iter().map(|(position, _)| *position);
+        let spheres = self.spheres.iter().map(|(sphere, _)| sphere.center);
+        middle(corners.chain(lights)).or(middle(spheres)).unwrap_or(DVec3::ZERO)
+    }
+}
+
+/// The centre of the box around the points.
+fn middle(points: impl Iterator<Item = DVec3>) -> Option<DVec3> {
+    points
+        .map(|p| (p, p))
+        .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        .map(|(min, max)| 0.5 * min + 0.5 * max)
+}

@@ -1,0 +1,90 @@
+//! The resolved scene: immutable, checked, ready for rays.
+//!
+//! What the tracer may rely on: every number is finite; every material and texture number exists;
+//! no triangle is without area; normals are of unit length or zero; coordinates are relative to
+//! [`Scene::origin`], near the middle of the scene, so that single precision is finest where the
+//! scene is.
+
+mod builder;
+mod surface;
+
+pub use builder::{MeshMaterial, SceneBuilder, SourceMesh};
+pub use surface::Surface;
+
+use crate::accel::{Bvh, Traversal};
+use crate::geometry::{Hit, Mesh, Sphere};
+use crate::light::PointLight;
+use crate::material::Material;
+use crate::math::{Aabb, Ray};
+use crate::texture::Texture;
+use glam::{DVec3, Vec3};
+
+/// Everything that can be seen, and the lights that show it.
+#[derive(Debug)]
+pub struct Scene {
+    /// Where the scene's own coordinates have their origin, in world coordinates.
+    pub origin: DVec3,
+    /// The lights.
+    pub lights: Vec<PointLight>,
+    /// The scene's ambient colour.
+    pub ambient: Vec3,
+    /// What a ray that leaves the scene sees.
+    pub background: Vec3,
+    meshes: Vec<Mesh>,
+    mesh_materials: Vec<MeshMaterial>,
+    /// For each mesh the number of its first triangle, ascending; a triangle's number less it is
+    /// the triangle's index in the mesh.
+    first_triangles: Vec<u32>,
+    spheres: Vec<Sphere>,
+    sphere_materials: Vec<usize>,
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
+    bvh: Bvh,
+    triangle_count: u32,
+    /// The largest absolute coordinate of any shape.
+    magnitude: f32,
+}
+
+impl Scene {
+    /// The nearest hit, or none.
+    pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Option<Hit> {
+        self.bvh.closest(ray, traversal)
+    }
+
+    /// Whether anything lies in the ray's interval.
+    pub fn occluded(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
+        self.bvh.occluded(ray, traversal)
+    }
+
+    /// The box around all shapes, relative to [`Scene::origin`]; empty for an empty scene.
+    pub fn bounds(&self) -> Aabb {
+        self.bvh.bounds()
+    }
+
+    /// How many triangles there are.
+    pub fn triangle_count(&self) -> usize {
+        self.triangle_count as usize
+    }
+
+    /// How many spheres there are.
+    pub fn sphere_count(&self) -> usize {
+        self.spheres.len()
+    }
+
+    /// The image textures.
+    pub fn textures(&self) -> &[Texture] {
+        &self.textures
+    }
+
+    /// Bytes of shapes, tree and textures.
+    pub fn memory(&self) -> usize {
+        let meshes = self.meshes.iter().map(|mesh| {
+            size_of_val(&*mesh.positions)
+                + size_of_val(&*mesh.normals)
+                + size_of_val(&*mesh.uvs)
+                + size_of_val(&*mesh.triangles)
+        });
+        let textures = self.textures.iter().map(Texture::memory);
+        self.bvh.memory() + meshes.sum::<usize>() + textures.sum::<usize>()
+    }
+}

@@ -1,0 +1,146 @@
+use super::{MeshMaterial, Scene};
+use crate::geometry::Hit;
+use crate::light::PointLight;
+use crate::material::Reflectance;
+use crate::math::{NO_PRIMITIVE, Ray};
+use glam::{DVec3, Vec2, Vec3};
+
+/// The surface at a hit, seen from the ray's side.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    /// The point, relative to the scene's origin.
+    pub position: Vec3,
+    /// The normal for shading, of unit length, on the viewer's side.
+    pub shading_normal: Vec3,
+    /// The normal of the shape itself, of unit length, on the viewer's side.
+    pub geometric_normal: Vec3,
+    /// How the surface returns light.
+    pub reflectance: Reflectance,
+    /// How far a new ray starts from the point along the geometric normal.
+    offset: f32,
+    /// What rays that leave on the viewer's side cannot hit.
+    exclude: u32,
+}
+
+/// A point on a shape, before the viewer's side is known.
+struct Point {
+    position: DVec3,
+    geometric_normal: Vec3,
+    shading_normal: Vec3,
+    reflectance: Reflectance,
+    /// Whether rays that leave on the normal's side and on the other cannot meet the shape again.
+    convex: [bool; 2],
+}
+
+impl Scene {
+    /// The surface that `ray` sees at `hit`.
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+        let point = if hit.primitive < self.triangle_count {
+            self.triangle_point(ray, hit)
+        } else {
+            self.sphere_point(ray, hit)
+        };
+        let outside = point.geometric_normal.dot(ray.direction) < 0.0;
+        let geometric_normal = if outside {
+            point.geometric_normal
+        } else {
+            -point.geometric_normal
+        };
+        // Interpolated normals are made to agree with the side that is seen.
+        let agrees = point.shading_normal.dot(geometric_normal) >= 0.0;
+        let shading_normal = if agrees {
+            point.shading_normal
+        } else {
+            -point.shading_normal
+        };
+        let position = point.position.as_vec3();
+        let magnitude = ray.origin.abs().max_element().max(self.magnitude);
+        Surface {
+            position,
+            shading_normal,
+            geometric_normal,
+            reflectance: point.reflectance,
+            offset: offset(position, geometric_normal, magnitude),
+            exclude: if point.convex[usize::from(!outside)] {
+                hit.primitive
+            } else {
+                NO_PRIMITIVE
+            },
+        }
+    }
+
+    fn triangle_point(&self, ray: &Ray, hit: &Hit) -> Point {
+        let mesh_index = self.first_triangles.partition_point(|&first| first <= hit.primitive) - 1;
+        let triangle = (hit.primitive - self.first_triangles[mesh_index]) as usize;
+        let position = ray.at(hit.t);
+        let point = self.meshes[mesh_index].interpolate(triangle, position);
+        let at = |material: usize| self.materials[material].at(point.uv, &self.textures);
+        Point {
+            position,
+            geometric_normal: point.geometric_normal,
+            shading_normal: point.shading_normal,
+            reflectance: match self.mesh_materials[mesh_index] {
+                MeshMaterial::Uniform(material) => at(material),
+                MeshMaterial::PerVertex(corners) => {
+                    Reflectance::barycentric(corners.map(at), point.weights)
+                }
+            },
+            convex: [true, true],
+        }
+    }
+
+    fn sphere_point(&self, ray: &Ray, hit: &Hit) -> Point {
+        let index = (hit.primitive - self.triangle_count) as usize;
+        let sphere = &self.spheres[index];
+        let normal = (ray.at(hit.t) - sphere.center).normalize();
+        let material = &self.materials[self.sphere_materials[index]];
+        let uv = match material.texture {
+            Some(_) => sphere.uv(normal),
+            None => Vec2::ZERO,
+        };
+        Point {
+            position: sphere.center + normal * sphere.radius,
+            geometric_normal: normal.as_vec3(),
+            shading_normal: normal.as_vec3(),
+            reflectance: material.at(uv, &self.textures),
+            convex: [true, false],
+        }
+    }
+}
+
+/// How far a point may be from its surface along the normal, doubled.
+///
+/// The point was found in double precision, so almost all of it is its rounding to single
+/// precision: half an ulp in each coordinate. Doubling keeps a ray's start on its side of the exact
+/// surface after the start, too, is rounded. `magnitude` bounds the coordinates that the point was
+/// worked out from.
+fn offset(position: Vec3, normal: Vec3, magnitude: f32) -> f32 {
+    const DOUBLE_ROUNDINGS: f32 = 32.0 * f64::EPSILON as f32;
+    (2.0 * f32::EPSILON * position.abs()).dot(normal.abs()) + DOUBLE_ROUNDINGS * magnitude
+}
+
+impl Surface {
+    /// A ray that leaves the surface in `direction`, on either side.
+    pub fn leave(&self, direction: Vec3) -> Ray {
+        let side = self.offset.copysign(self.geometric_normal.dot(direction));
+        Ray {
+            origin: self.position + self.geometric_normal * side,
+            direction,
+            t_max: f32::INFINITY,
+            exclude: self.exclude,
+        }
+    }
+
+    /// A ray from the surface that ends at `light`: parameter 1. What it meets is in the way.
+    ///
+    /// It stops short of the light by the rounding of its two ends, so a light on a surface lights
+    /// the surface's own side.
+    pub fn towards(&self, light: &PointLight) -> Ray {
+        let mut ray = self.leave(light.position - self.position);
+        ray.direction = light.position - ray.origin;
+        let largest = self.position.abs().max(light.position.abs()).max_element();
+        let slack = 4.0 * f32::EPSILON * largest / ray.direction.abs().max_element();
+        ray.t_max = (1.0 - slack).max(0.0);
+        ray
+    }
+}

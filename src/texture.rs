@@ -1,0 +1,112 @@
+//! Image textures: sRGB texels, read as linear colour at a texture coordinate.
+
+use crate::math::color::srgb_to_linear;
+use glam::{Vec2, Vec3};
+use std::sync::LazyLock;
+
+static LINEAR_OF_CODE: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|code| srgb_to_linear(code as f32 / 255.0)));
+
+/// A colour image with 8-bit sRGB texels, repeated over the plane, filtered bilinearly.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    width: usize,
+    height: usize,
+    texels: Vec<[u8; 3]>,
+}
+
+impl Texture {
+    /// `texels` holds rows from the top of the picture, each from the left; or none if their
+    /// number is not `width * height` or is 0.
+    pub fn new(width: usize, height: usize, texels: Vec<[u8; 3]>) -> Option<Texture> {
+        (!texels.is_empty() && Some(texels.len()) == width.checked_mul(height)).then_some(Texture {
+            width,
+            height,
+            texels,
+        })
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> (usize, usize) {
+        (self.width, self.height)
+    }
+
+    /// Bytes of the texels.
+    pub fn memory(&self) -> usize {
+        self.texels.len() * size_of::<[u8; 3]>()
+    }
+
+    /// The linear colour at `uv`: (0, 0) is the lower left corner of the picture, (1, 1) the upper
+    /// right one, and it repeats beyond. Texel centres lie at half-integers; between them the
+    /// decoded colours are interpolated. A coordinate that is not finite reads as 0.
+    pub fn sample(&self, uv: Vec2) -> Vec3 {
+        let (x0, x1, fx) = neighbours(uv.x, self.width);
+        let (y0, y1, fy) = neighbours(-uv.y, self.height);
+        let top = self.texel(x0, y0).lerp(self.texel(x1, y0), fx);
+        let bottom = self.texel(x0, y1).lerp(self.texel(x1, y1), fx);
+        top.lerp(bottom, fy)
+    }
+
+    fn texel(&self, x: usize, y: usize) -> Vec3 {
+        let table = &*LINEAR_OF_CODE;
+        let [r, g, b] = self.texels[y * self.width + x];
+        Vec3::new(table[r as usize], table[g as usize], table[b as usize])
+    }
+}
+
+/// The two texels of a row of `count` around coordinate `u`, and the weight of the second.
+fn neighbours(u: f32, count: usize) -> (usize, usize, f32) {
+    // Wrapping first keeps all of the fraction's bits for far tiles.
+    let wrapped = if u.is_finite() { u - u.floor() } else { 0.0 };
+    let position = wrapped * count as f32 - 0.5;
+    let below = position.floor();
+    let first = if below < 0.0 {
+        count - 1
+    } else {
+        (below as usize).min(count - 1)
+    };
+    let second = if first + 1 == count { 0 } else { first + 1 };
+    (first, second, position - below)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn quarters() -> Texture {
+        // Top row: red, green. Bottom row: blue, white.
+        let texels = vec![[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 255]];
+        Texture::new(2, 2, texels).expect("four texels")
+    }
+
+    #[test]
+    fn lower_left_corner_is_the_origin_and_centres_are_exact() {
+        let t = quarters();
+        assert_eq!(t.sample(Vec2::new(0.25, 0.25)), Vec3::Z);
+        assert_eq!(t.sample(Vec2::new(0.75, 0.25)), Vec3::ONE);
+        assert_eq!(t.sample(Vec2::new(0.25, 0.75)), Vec3::X);
+        assert_eq!(t.sample(Vec2::new(0.75, 0.75)), Vec3::Y);
+    }
+
+    #[test]
+    fn repeats_with_negative_and_far_coordinates_and_across_the_seam() {
+        let t = quarters();
+        for tile in [-3.0, -1.0, 1.0, 1024.0] {
+            let moved = Vec2::new(0.25 + tile, 0.75 - tile);
+            assert_eq!(t.sample(moved), Vec3::X, "{tile}");
+        }
+        // Halfway over the seam: left and right columns in equal parts.
+        let seam = t.sample(Vec2::new(0.0, 0.75));
+        assert!((seam - Vec3::new(0.5, 0.5, 0.0)).length() < 1e-6);
+        assert_eq!(seam, t.sample(Vec2::new(1.0, 0.75)));
+        assert!(t.sample(Vec2::new(f32::NAN, f32::INFINITY)).is_finite());
+    }
+
+    #[test]
+    fn interpolates_decoded_light_not_codes() {
+        let t = Texture::new(2, 1, vec![[0, 0, 0], [255, 255, 255]]).expect("two texels");
+        assert!((t.sample(Vec2::new(0.5, 0.5)).x - 0.5).abs() < 1e-6);
+        let grey = Texture::new(1, 1, vec![[188, 188, 188]]).expect("one texel");
+        assert!((grey.sample(Vec2::new(0.3, 0.9)).x - 0.502_886).abs() < 1e-5);
+    }
+}

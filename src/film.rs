@@ -43,7 +43,7 @@ impl Film {
 
     /// Multiplies all light by 2^`ev`.
     pub fn expose(&mut self, ev: f32) {
-        let factor = ev.exp2();
+        let factor = libm::exp2f(ev);
         for pixel in &mut self.pixels {
             *pixel *= factor;
         }

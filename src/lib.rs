@@ -22,12 +22,15 @@
 
 pub mod accel;
 pub mod camera;
+pub mod cli;
 pub mod film;
 pub mod geometry;
+pub mod input;
 pub mod integrator;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod output;
 pub mod render;
 pub mod sampling;
 pub mod scene;

@@ -1,1 +1,7 @@
-fn main(){}
+//! The `flythrough` program.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    flythrough::cli::run()
+}

@@ -73,7 +73,7 @@ impl Reflectance {
         let mut factor = self.diffuse * cos;
         if self.specular != Vec3::ZERO {
             let highlight = mirror(to_light, normal).dot(to_viewer).max(0.0);
-            factor += self.specular * highlight.powf(self.shininess);
+            factor += self.specular * libm::powf(highlight, self.shininess);
         }
         factor
     }

@@ -16,6 +16,9 @@ const BINS: usize = 16;
 /// From this depth on nodes are halved by number, which bounds the depth of any tree.
 const MAX_SAH_DEPTH: u32 = 48;
 
+/// No leaf lies deeper: there are fewer than 2^31 primitives to be halved.
+pub(super) const MAX_DEPTH: usize = MAX_SAH_DEPTH as usize + 31;
+
 pub(super) fn build(triangles: &[[Vec3; 3]], spheres: Vec<Sphere>, kernel: Kernel) -> Bvh {
     let first_sphere = triangles.len() as u32;
     let bounds = triangles.iter().map(|corners| Aabb::of(*corners));

@@ -2,6 +2,7 @@
 #![expect(unsafe_code, reason = "calls into code compiled for a detected processor")]
 
 use super::Bvh;
+use super::build::MAX_DEPTH;
 use super::node::{BoxRay, Child, PADDING};
 use super::simd::{F32x8, Portable};
 use super::triangle_block::{ShearedRay, is_before};
@@ -28,7 +29,7 @@ impl Kernel {
     }
 }
 
-pub(super) fn closest(bvh: &Bvh, ray: &Ray, stack: &mut Vec<u64>) -> Option<Hit> {
+pub(super) fn closest(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
     match bvh.kernel {
         Kernel::Portable => walk_closest::<Portable>(bvh, ray, stack),
         #[cfg(target_arch = "x86_64")]
@@ -37,7 +38,7 @@ pub(super) fn closest(bvh: &Bvh, ray: &Ray, stack: &mut Vec<u64>) -> Option<Hit>
     }
 }
 
-pub(super) fn occluded(bvh: &Bvh, ray: &Ray, stack: &mut Vec<u64>) -> bool {
+pub(super) fn occluded(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> bool {
     match bvh.kernel {
         Kernel::Portable => walk_occluded::<Portable>(bvh, ray, stack),
         #[cfg(target_arch = "x86_64")]
@@ -52,21 +53,78 @@ mod avx2 {
     use super::*;
 
     #[target_feature(enable = "avx2")]
-    pub(super) fn closest(bvh: &Bvh, ray: &Ray, stack: &mut Vec<u64>) -> Option<Hit> {
+    pub(super) fn closest(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
         walk_closest::<Avx2>(bvh, ray, stack)
     }
 
     #[target_feature(enable = "avx2")]
-    pub(super) fn occluded(bvh: &Bvh, ray: &Ray, stack: &mut Vec<u64>) -> bool {
+    pub(super) fn occluded(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> bool {
         walk_occluded::<Avx2>(bvh, ray, stack)
     }
 }
 
-/// The root's place on the stack: node 0, entered at distance 0.
-const ROOT: u64 = 0;
+/// What is still to be visited: children with the distance at which the ray enters them, packed
+/// so that nearer ones are smaller numbers.
+///
+/// Indices wrap, so no access needs a check; the builder bounds the depth of trees so that they
+/// never do.
+#[derive(Debug)]
+pub(super) struct Stack {
+    entries: Box<[u64; STACK_SIZE]>,
+    len: usize,
+}
+
+/// A node leaves at most seven children behind when the walk goes down one level.
+const STACK_SIZE: usize = 1024;
+const _: () = assert!(STACK_SIZE > 7 * MAX_DEPTH && STACK_SIZE.is_power_of_two());
+
+impl Default for Stack {
+    fn default() -> Stack {
+        Stack {
+            entries: Box::new([0; STACK_SIZE]),
+            len: 0,
+        }
+    }
+}
+
+impl Stack {
+    #[inline(always)]
+    fn push(&mut self, near: f32, child: u32) {
+        // Distances are not negative, so their bits order like numbers.
+        let entry = u64::from(near.to_bits()) << 32 | u64::from(child);
+        self.entries[self.len % STACK_SIZE] = entry;
+        self.len += 1;
+    }
+
+    /// Pushes a child below all those after `first` that are nearer.
+    #[inline(always)]
+    fn insert(&mut self, first: usize, near: f32, child: u32) {
+        let entry = u64::from(near.to_bits()) << 32 | u64::from(child);
+        let mut place = self.len;
+        while place > first && self.entries[(place - 1) % STACK_SIZE] < entry {
+            self.entries[place % STACK_SIZE] = self.entries[(place - 1) % STACK_SIZE];
+            place -= 1;
+        }
+        self.entries[place % STACK_SIZE] = entry;
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    fn pop(&mut self) -> Option<(f32, u32)> {
+        if self.len == 0 {
+            return None;
+        }
+        self.len -= 1;
+        let entry = self.entries[self.len % STACK_SIZE];
+        Some((f32::from_bits((entry >> 32) as u32), entry as u32))
+    }
+}
+
+/// The root is node 0.
+const ROOT: u32 = 0;
 
 #[inline(always)]
-fn walk_closest<V: F32x8>(bvh: &Bvh, ray: &Ray, stack: &mut Vec<u64>) -> Option<Hit> {
+fn walk_closest<V: F32x8>(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
     let box_ray = BoxRay::new(ray);
     let sheared_ray = ShearedRay::new(ray);
     let mut best = Hit {
@@ -74,27 +132,23 @@ fn walk_closest<V: F32x8>(bvh: &Bvh, ray: &Ray, stack: &mut Vec<u64>) -> Option<
         primitive: NO_PRIMITIVE,
     };
     // Boxes entered behind this hold nothing better: `best`, grown by what entries are rounded.
-    let mut limit = best.t as f32 * PADDING;
-    stack.clear();
-    stack.push(ROOT);
-    while let Some(entry) = stack.pop() {
-        // Distances are not negative, so their bits order like numbers.
-        let near = f32::from_bits((entry >> 32) as u32);
+    let mut limit = f32::MAX;
+    stack.len = 0;
+    stack.push(0.0, ROOT);
+    while let Some((near, child)) = stack.pop() {
         if near > limit {
             continue;
         }
-        match Child::unpack(entry as u32) {
+        match Child::unpack(child) {
             Child::Node(index) => {
                 let node = &bvh.nodes[index as usize];
                 let (near, mut entered) = node.enter::<V>(&box_ray, limit);
-                let first = stack.len();
+                let first = stack.len;
                 while entered != 0 {
                     let lane = entered.trailing_zeros() as usize;
                     entered &= entered - 1;
-                    let near = u64::from(near[lane].to_bits());
-                    stack.push(near << 32 | u64::from(node.children[lane]));
+                    stack.insert(first, near[lane], node.children[lane]);
                 }
-                sort_descending(&mut stack[first..]);
                 continue;
             }
             Child::Triangles(index) => {
@@ -118,21 +172,21 @@ fn walk_closest<V: F32x8>(bvh: &Bvh, ray: &Ray, stack: &mut Vec<u64>) -> Option<
 }
 
 #[inline(always)]
-fn walk_occluded<V: F32x8>(bvh: &Bvh, ray: &Ray, stack: &mut Vec<u64>) -> bool {
+fn walk_occluded<V: F32x8>(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> bool {
     let box_ray = BoxRay::new(ray);
     let sheared_ray = ShearedRay::new(ray);
     let limit = ray.t_max * PADDING;
-    stack.clear();
-    stack.push(ROOT);
-    while let Some(entry) = stack.pop() {
-        let found = match Child::unpack(entry as u32) {
+    stack.len = 0;
+    stack.push(0.0, ROOT);
+    while let Some((_, child)) = stack.pop() {
+        let found = match Child::unpack(child) {
             Child::Node(index) => {
                 let node = &bvh.nodes[index as usize];
                 let (_, mut entered) = node.enter::<V>(&box_ray, limit);
                 while entered != 0 {
                     let lane = entered.trailing_zeros() as usize;
                     entered &= entered - 1;
-                    stack.push(u64::from(node.children[lane]));
+                    stack.push(0.0, node.children[lane]);
                 }
                 false
             }
@@ -149,18 +203,4 @@ fn walk_occluded<V: F32x8>(bvh: &Bvh, ray: &Ray, stack: &mut Vec<u64>) -> bool {
         }
     }
     false
-}
-
-/// Insertion sort: there are seldom more than three.
-#[inline(always)]
-fn sort_descending(entries: &mut [u64]) {
-    for i in 1..entries.len() {
-        let entry = entries[i];
-        let mut place = i;
-        while place > 0 && entries[place - 1] < entry {
-            entries[place] = entries[place - 1];
-            place -= 1;
-        }
-        entries[place] = entry;
-    }
 }

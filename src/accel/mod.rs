@@ -17,7 +17,7 @@ mod triangle_block;
 use crate::geometry::{Hit, Sphere};
 use crate::math::{Aabb, Ray};
 use glam::Vec3;
-use kernel::Kernel;
+use kernel::{Kernel, Stack};
 use node::Node;
 use triangle_block::TriangleBlock;
 
@@ -39,7 +39,7 @@ pub struct Bvh {
 /// Scratch space of ray queries, one for each thread, and the count of its rays.
 #[derive(Debug, Default)]
 pub struct Traversal {
-    stack: Vec<u64>,
+    stack: Stack,
     /// How many queries have been answered.
     pub rays: u64,
 }

@@ -95,26 +95,31 @@ pub(super) struct BoxRay {
 
 impl BoxRay {
     pub(super) fn new(ray: &Ray) -> BoxRay {
-        // A component of zero would make 0 * inf = NaN for a ray inside a slab's plane.
-        let inverse = Vec3::from_array(ray.direction.to_array().map(|d| {
-            const SMALLEST: f32 = 1e-30;
-            1.0 / if d.abs() < SMALLEST {
-                SMALLEST.copysign(d)
+        let d = ray.direction;
+        let inverse = Vec3::new(invert(d.x), invert(d.y), invert(d.z));
+        let near = |axis: usize| {
+            if inverse[axis] < 0.0 {
+                axis ^ FAR[axis]
             } else {
-                d
+                axis
             }
-        }));
+        };
         BoxRay {
             origin: ray.origin,
             inverse,
-            near: [0, 1, 2].map(|axis| {
-                if inverse[axis] < 0.0 {
-                    axis ^ FAR[axis]
-                } else {
-                    axis
-                }
-            }),
+            near: [near(0), near(1), near(2)],
         }
+    }
+}
+
+/// The reciprocal of a component; of zero, a number so large that a ray inside a slab's plane gets
+/// 0 * large = 0, where 0 * inf would be NaN.
+fn invert(component: f32) -> f32 {
+    const SMALLEST: f32 = 1e-30;
+    1.0 / if component.abs() < SMALLEST {
+        SMALLEST.copysign(component)
+    } else {
+        component
     }
 }
 

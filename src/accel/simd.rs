@@ -10,10 +10,8 @@ pub(super) trait F32x8: Copy {
     fn splat(value: f32) -> Self;
     fn load(lanes: &[f32; 8]) -> Self;
     fn store(self) -> [f32; 8];
-    fn add(self, other: Self) -> Self;
     fn sub(self, other: Self) -> Self;
     fn mul(self, other: Self) -> Self;
-    fn div(self, other: Self) -> Self;
     /// The smaller; `other` where either is NaN.
     fn min(self, other: Self) -> Self;
     /// The larger; `other` where either is NaN.
@@ -52,20 +50,12 @@ impl F32x8 for Portable {
         self.0
     }
     #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
-    }
-    #[inline(always)]
     fn sub(self, other: Self) -> Self {
         self.zip(other, |a, b| a - b)
     }
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         self.zip(other, |a, b| a * b)
-    }
-    #[inline(always)]
-    fn div(self, other: Self) -> Self {
-        self.zip(other, |a, b| a / b)
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
@@ -117,11 +107,6 @@ mod avx2 {
             lanes
         }
         #[inline(always)]
-        fn add(self, other: Self) -> Self {
-            // SAFETY: AVX is present where an `Avx2` exists.
-            Avx2(unsafe { _mm256_add_ps(self.0, other.0) })
-        }
-        #[inline(always)]
         fn sub(self, other: Self) -> Self {
             // SAFETY: AVX is present where an `Avx2` exists.
             Avx2(unsafe { _mm256_sub_ps(self.0, other.0) })
@@ -130,11 +115,6 @@ mod avx2 {
         fn mul(self, other: Self) -> Self {
             // SAFETY: AVX is present where an `Avx2` exists.
             Avx2(unsafe { _mm256_mul_ps(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn div(self, other: Self) -> Self {
-            // SAFETY: AVX is present where an `Avx2` exists.
-            Avx2(unsafe { _mm256_div_ps(self.0, other.0) })
         }
         #[inline(always)]
         fn min(self, other: Self) -> Self {
@@ -165,17 +145,17 @@ mod avx2 {
 
         /// Every operation on every pair of hostile values, NaN and signed zero among them.
         #[inline(always)]
-        fn results<V: F32x8>(a: &[f32; 8], b: &[f32; 8]) -> ([[u32; 8]; 6], [u32; 2]) {
+        fn results<V: F32x8>(a: &[f32; 8], b: &[f32; 8]) -> ([[u32; 8]; 4], [u32; 2]) {
             let (a, b) = (V::load(a), V::load(b));
             let bits = |v: V| v.store().map(|x| if x.is_nan() { 0x7fc0_0000 } else { x.to_bits() });
             (
-                [a.add(b), a.sub(b), a.mul(b), a.div(b), a.min(b), a.max(b)].map(bits),
+                [a.sub(b), a.mul(b), a.min(b), a.max(b)].map(bits),
                 [a.lt(b), a.le(b)],
             )
         }
 
         #[target_feature(enable = "avx2")]
-        fn with_avx2(a: &[f32; 8], b: &[f32; 8]) -> ([[u32; 8]; 6], [u32; 2]) {
+        fn with_avx2(a: &[f32; 8], b: &[f32; 8]) -> ([[u32; 8]; 4], [u32; 2]) {
             results::<Avx2>(a, b)
         }
 

@@ -1,4 +1,5 @@
 use super::WIDTH;
+use super::node::PADDING;
 use super::simd::F32x8;
 use crate::geometry::{Hit, plane_distance};
 use crate::math::Ray;
@@ -28,7 +29,7 @@ impl TriangleBlock {
     /// number.
     #[inline(always)]
     pub(super) fn closest<V: F32x8>(&self, ray: &Ray, sheared: &ShearedRay, best: &mut Hit) {
-        let mut passed = self.pass_inside::<V>(sheared);
+        let mut passed = self.pass_inside::<V>(sheared, best.t as f32 * PADDING);
         while passed != 0 {
             let lane = passed.trailing_zeros() as usize;
             passed &= passed - 1;
@@ -45,7 +46,7 @@ impl TriangleBlock {
     /// Whether the ray meets any of the triangles in its interval.
     #[inline(always)]
     pub(super) fn occludes<V: F32x8>(&self, ray: &Ray, sheared: &ShearedRay) -> bool {
-        let mut passed = self.pass_inside::<V>(sheared);
+        let mut passed = self.pass_inside::<V>(sheared, ray.t_max * PADDING);
         while passed != 0 {
             let lane = passed.trailing_zeros() as usize;
             passed &= passed - 1;
@@ -57,30 +58,25 @@ impl TriangleBlock {
         false
     }
 
+    #[inline(always)]
     fn triangle(&self, lane: usize) -> [Vec3; 3] {
-        self.corners.map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]))
+        let [a, b, c] = &self.corners;
+        let corner = |[x, y, z]: &[[f32; WIDTH]; 3]| Vec3::new(x[lane], y[lane], z[lane]);
+        [corner(a), corner(b), corner(c)]
     }
 
-    /// A bit for each triangle that the ray's line passes through.
+    /// A bit for each triangle that the ray's line passes through, if its corners do not all lie
+    /// behind the ray's start or beyond `limit`.
     ///
     /// The edge functions of Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection"
     /// (JCGT 2(1)): those of neighbours are exact negatives of each other, so a line cannot pass
     /// between them. Zero counts as inside. The method's distance is only as good as the largest
     /// coordinate of the triangle, so that is left to [`plane_distance`].
     #[inline(always)]
-    fn pass_inside<V: F32x8>(&self, ray: &ShearedRay) -> u32 {
-        let [kx, ky, kz] = ray.axes;
-        let shear_x = V::splat(ray.shear[0]);
-        let shear_y = V::splat(ray.shear[1]);
-        let sheared = |corner: &[[f32; WIDTH]; 3]| {
-            let z = V::load(&corner[kz]).sub(V::splat(ray.origin[2]));
-            let x = V::load(&corner[kx]).sub(V::splat(ray.origin[0])).sub(shear_x.mul(z));
-            let y = V::load(&corner[ky]).sub(V::splat(ray.origin[1])).sub(shear_y.mul(z));
-            (x, y)
-        };
-        let (ax, ay) = sheared(&self.corners[0]);
-        let (bx, by) = sheared(&self.corners[1]);
-        let (cx, cy) = sheared(&self.corners[2]);
+    fn pass_inside<V: F32x8>(&self, ray: &ShearedRay, limit: f32) -> u32 {
+        let (ax, ay, at) = ray.shear::<V>(&self.corners[0]);
+        let (bx, by, bt) = ray.shear::<V>(&self.corners[1]);
+        let (cx, cy, ct) = ray.shear::<V>(&self.corners[2]);
         let edge_a = cx.mul(by).sub(cy.mul(bx));
         let edge_b = ax.mul(cy).sub(ay.mul(cx));
         let edge_c = bx.mul(ay).sub(by.mul(ax));
@@ -90,7 +86,8 @@ impl TriangleBlock {
         let most = edge_a.max(edge_b).max(edge_c);
         // All three zero: the line lies in the triangle's plane, and does not pass through it.
         let not_flat = least.lt(most) | zero.lt(least) | most.lt(zero);
-        (zero.le(least) | most.le(zero)) & not_flat
+        let in_reach = zero.lt(at.max(bt).max(ct)) & at.min(bt).min(ct).le(V::splat(limit));
+        (zero.le(least) | most.le(zero)) & not_flat & in_reach
     }
 }
 
@@ -109,7 +106,9 @@ pub(super) struct ShearedRay {
     /// The origin, in permuted axes.
     origin: [f32; 3],
     /// The slopes of x and y against z.
-    shear: [f32; 2],
+    slopes: [f32; 2],
+    /// How much further along the ray one unit of z is.
+    stretch: f32,
 }
 
 impl ShearedRay {
@@ -134,7 +133,22 @@ impl ShearedRay {
         ShearedRay {
             axes: [kx, ky, kz],
             origin: [o[kx], o[ky], o[kz]],
-            shear: [slope(kx), slope(ky)],
+            slopes: [slope(kx), slope(ky)],
+            stretch: 1.0 / d[kz],
         }
+    }
+
+    /// Eight points, seen along the ray: x, y, and the ray parameter at their z.
+    #[inline(always)]
+    fn shear<V: F32x8>(&self, points: &[[f32; WIDTH]; 3]) -> (V, V, V) {
+        // Spelled out: code in closures would not be compiled for the vector instructions.
+        let [kx, ky, kz] = self.axes;
+        let (x, y, z) = (V::load(&points[kx]), V::load(&points[ky]), V::load(&points[kz]));
+        let [ox, oy, oz] = self.origin;
+        let (ox, oy, oz) = (V::splat(ox), V::splat(oy), V::splat(oz));
+        let (sx, sy) = (V::splat(self.slopes[0]), V::splat(self.slopes[1]));
+        let z = z.sub(oz);
+        let t = z.mul(V::splat(self.stretch));
+        (x.sub(ox).sub(sx.mul(z)), y.sub(oy).sub(sy.mul(z)), t)
     }
 }

@@ -109,7 +109,7 @@ impl CameraPath {
             log_half_heights: Track::new(
                 interpolation,
                 &times,
-                keys.iter().map(|k| (0.5 * k.field_of_view).tan().ln()),
+                keys.iter().map(|k| libm::log(libm::tan(0.5 * k.field_of_view))),
             ),
         };
         for frame in 0..timeline.frame_count() {
@@ -138,7 +138,7 @@ impl CameraPath {
         Ok(Camera {
             position,
             rotation,
-            half_height: self.log_half_heights.at(time).exp(),
+            half_height: libm::exp(self.log_half_heights.at(time)),
         })
     }
 }

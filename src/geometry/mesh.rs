@@ -17,19 +17,6 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// What varies over a triangle, at one of its points.
-#[derive(Clone, Copy, Debug)]
-pub struct MeshPoint {
-    /// Unit geometric normal of the winding (counter-clockwise seen from its side).
-    pub geometric_normal: Vec3,
-    /// Unit shading normal.
-    pub shading_normal: Vec3,
-    /// Texture coordinates; zero where the mesh has none.
-    pub uv: Vec2,
-    /// The weights of the three corners; their sum is 1.
-    pub weights: [f32; 3],
-}
-
 impl Mesh {
     /// Removes the triangles without area, which no ray can hit and which have no normal.
     /// Returns how many there were.
@@ -44,37 +31,51 @@ impl Mesh {
 
     /// The three corner positions of a triangle.
     pub fn corners(&self, triangle: usize) -> [Vec3; 3] {
-        self.triangles[triangle].map(|i| self.positions[i as usize])
+        let [a, b, c] = self.triangles[triangle];
+        [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
     }
 
-    /// Interpolates over a triangle at `point`, which lies on it.
-    pub fn interpolate(&self, triangle: usize, point: DVec3) -> MeshPoint {
-        let indices = self.triangles[triangle];
-        let corners = self.corners(triangle);
-        let (u, v) = triangle::barycentric(point, corners);
-        let weights = [(1.0 - u - v) as f32, u as f32, v as f32];
-        let [wa, wb, wc] = weights;
+    /// The unit normal of a triangle's winding (counter-clockwise seen from its side).
+    pub fn geometric_normal(&self, triangle: usize) -> Vec3 {
         // In double precision the normal of a sliver is as good as that of any other triangle.
-        let geometric_normal = triangle::normal(corners).normalize().as_vec3();
-        let mut shading_normal = geometric_normal;
-        if !self.normals.is_empty() {
-            let [na, nb, nc] = indices.map(|i| match self.normals[i as usize] {
-                Vec3::ZERO => geometric_normal,
-                n => n,
-            });
-            shading_normal = (na * wa + nb * wb + nc * wc).normalize_or(geometric_normal);
+        triangle::normal(self.corners(triangle)).normalize().as_vec3()
+    }
+
+    /// The weights of a triangle's corners at `point`, which lies on it; their sum is 1.
+    pub fn weights(&self, triangle: usize, point: DVec3) -> [f32; 3] {
+        let (u, v) = triangle::barycentric(point, self.corners(triangle));
+        [(1.0 - u - v) as f32, u as f32, v as f32]
+    }
+
+    /// The unit shading normal at corner weights; `geometric_normal` where the mesh has no other.
+    pub fn shading_normal(
+        &self,
+        triangle: usize,
+        weights: [f32; 3],
+        geometric_normal: Vec3,
+    ) -> Vec3 {
+        if self.normals.is_empty() {
+            return geometric_normal;
         }
-        let mut uv = Vec2::ZERO;
-        if !self.uvs.is_empty() {
-            let [ta, tb, tc] = indices.map(|i| self.uvs[i as usize].as_dvec2());
-            uv = (ta * (1.0 - u - v) + tb * u + tc * v).as_vec2();
+        let mut sum = Vec3::ZERO;
+        for (&corner, weight) in self.triangles[triangle].iter().zip(weights) {
+            let normal = self.normals[corner as usize];
+            let has_none = normal == Vec3::ZERO;
+            sum += weight * if has_none { geometric_normal } else { normal };
         }
-        MeshPoint {
-            geometric_normal,
-            shading_normal,
-            uv,
-            weights,
+        sum.normalize_or(geometric_normal)
+    }
+
+    /// The texture coordinates at corner weights; zero where the mesh has none.
+    pub fn uv(&self, triangle: usize, weights: [f32; 3]) -> Vec2 {
+        if self.uvs.is_empty() {
+            return Vec2::ZERO;
         }
+        let mut sum = Vec2::ZERO;
+        for (&corner, weight) in self.triangles[triangle].iter().zip(weights) {
+            sum += weight * self.uvs[corner as usize];
+        }
+        sum
     }
 }
 
@@ -90,13 +91,14 @@ mod tests {
             uvs: vec![Vec2::ZERO, Vec2::X, Vec2::new(0.0, 4.0)],
             triangles: vec![[0, 1, 2]],
         };
-        let c = mesh.interpolate(0, DVec3::new(0.5, 0.25, 0.0));
-        assert_eq!(c.weights, [0.25, 0.5, 0.25]);
-        assert_eq!(c.geometric_normal, Vec3::Z);
+        let weights = mesh.weights(0, DVec3::new(0.5, 0.25, 0.0));
+        assert_eq!(weights, [0.25, 0.5, 0.25]);
+        assert_eq!(mesh.geometric_normal(0), Vec3::Z);
         // The third corner has no normal of its own: it takes the triangle's.
         let expected = Vec3::new(0.5, 0.0, 0.5).normalize();
-        assert!((c.shading_normal - expected).length() < 1e-6);
-        assert_eq!(c.uv, Vec2::new(0.5, 1.0));
+        let normal = mesh.shading_normal(0, weights, Vec3::Z);
+        assert!((normal - expected).length() < 1e-6);
+        assert_eq!(mesh.uv(0, weights), Vec2::new(0.5, 1.0));
     }
 
     #[test]

@@ -9,7 +9,7 @@ mod transform;
 mod triangle;
 
 pub use hit::Hit;
-pub use mesh::{Mesh, MeshPoint};
+pub use mesh::Mesh;
 pub use sphere::Sphere;
 pub use transform::Transform;
 pub use triangle::plane_distance;

@@ -48,8 +48,8 @@ impl Sphere {
     /// towards +Z.
     pub fn uv(&self, normal: DVec3) -> Vec2 {
         let local = self.rotation.transpose() * normal;
-        let u = 0.5 + local.x.atan2(local.z) / std::f64::consts::TAU;
-        let v = 0.5 + local.y.clamp(-1.0, 1.0).asin() / std::f64::consts::PI;
+        let u = 0.5 + libm::atan2(local.x, local.z) / std::f64::consts::TAU;
+        let v = 0.5 + libm::asin(local.y.clamp(-1.0, 1.0)) / std::f64::consts::PI;
         Vec2::new(u as f32, v as f32)
     }
 

@@ -1,4 +1,5 @@
-use glam::{DMat3, DVec3, EulerRot};
+use crate::math::rotation_xyz;
+use glam::{DMat3, DVec3};
 
 /// Object space to world space: scale, then rotation about X, then Y, then Z, then translation.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +13,7 @@ impl Transform {
     /// `scale` has no zero factor, `rotation` is in radians, all are finite. A negative factor
     /// mirrors.
     pub fn new(scale: DVec3, rotation: DVec3, translation: DVec3) -> Transform {
-        let rotation = DMat3::from_euler(EulerRot::XYZEx, rotation.x, rotation.y, rotation.z);
+        let rotation = rotation_xyz(rotation);
         Transform {
             linear: rotation * DMat3::from_diagonal(scale),
             rotation,

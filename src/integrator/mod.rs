@@ -34,8 +34,8 @@ pub enum Integrator {
 impl Integrator {
     /// The radiance that arrives along a camera ray of unit direction.
     ///
-    /// `sequence` and `index` give the random numbers of this camera sample; the numbers of set 0
-    /// are the camera's own.
+    /// `sequence` and `index` give the random numbers of this camera sample; pair 0 is the
+    /// camera's own.
     pub fn radiance(
         &self,
         scene: &Scene,

@@ -110,12 +110,14 @@ impl Estimator<'_> {
                 diffuse_bounces: path.diffuse_bounces + 1,
                 index: path.index.wrapping_mul(count).wrapping_add(i),
             };
-            let [u, v, lobe, _] = self.sequence.sample_4d(next.index, next.depth);
-            if lobe < mirror_chance {
+            if mirror_chance > 0.0
+                && self.sequence.sample_1d(next.index, next.depth) < mirror_chance
+            {
                 let weight = mirror / mirror_chance;
                 sum += self.follow_mirror(ray, surface, weight, Path { index: next.index, ..path });
                 continue;
             }
+            let [u, v] = self.sequence.sample_2d(next.index, next.depth);
             let direction = to_world(surface.shading_normal, cosine_hemisphere(u, v));
             // Below the shape's own horizon an interpolated normal gathers nothing.
             if direction.dot(surface.geometric_normal) > 0.0 {

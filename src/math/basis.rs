@@ -1,4 +1,18 @@
-use glam::Vec3;
+use glam::{DMat3, DVec3, Vec3};
+
+/// The rotation about the fixed axes X, then Y, then Z by `angles` in radians, counter-clockwise
+/// seen from the axis' tip.
+pub fn rotation_xyz(angles: DVec3) -> DMat3 {
+    let turn = |axis: usize| {
+        let (sin, cos) = libm::sincos(angles[axis]);
+        let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
+        let mut matrix = DMat3::IDENTITY;
+        (matrix.col_mut(a)[a], matrix.col_mut(a)[b]) = (cos, sin);
+        (matrix.col_mut(b)[a], matrix.col_mut(b)[b]) = (-sin, cos);
+        matrix
+    };
+    turn(2) * turn(1) * turn(0)
+}
 
 /// Turns a vector of the frame whose third axis is the unit vector `normal` into world space.
 ///

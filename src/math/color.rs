@@ -8,7 +8,7 @@ pub fn srgb_to_linear(encoded: f32) -> f32 {
     if encoded <= 0.04045 {
         encoded / 12.92
     } else {
-        ((encoded + 0.055) / 1.055).powf(2.4)
+        libm::powf((encoded + 0.055) / 1.055, 2.4)
     }
 }
 
@@ -19,7 +19,7 @@ pub fn linear_to_srgb(linear: f32) -> f32 {
     } else if linear <= 0.003_130_8 {
         12.92 * linear
     } else if linear < 1.0 {
-        1.055 * linear.powf(1.0 / 2.4) - 0.055
+        1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055
     } else {
         1.0
     }

@@ -8,5 +8,5 @@ pub mod color;
 mod ray;
 
 pub use aabb::Aabb;
-pub use basis::to_world;
+pub use basis::{rotation_xyz, to_world};
 pub use ray::{NO_PRIMITIVE, Ray};

@@ -53,7 +53,7 @@ pub fn render_frame(
             PixelSampling::Spread(count) => {
                 let mut sum = Vec3::ZERO;
                 for index in 0..count {
-                    let [u, v, ..] = sequence.sample_4d(index, 0);
+                    let [u, v] = sequence.sample_2d(index, 0);
                     let film = corner + DVec2::new(u.into(), v.into());
                     sum += work.finite(|t| sample(film, sequence, index, t));
                 }

@@ -1,11 +1,11 @@
-/// The longest Owen-scrambled sequence the generator gives before it must be reseeded.
-const SEQUENCE_LENGTH: u32 = 1 << 16;
-
-/// The sample numbers of one film position in one frame: Owen-scrambled Sobol points
-/// (Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4)).
+/// The sample numbers of one film position in one frame: Owen-scrambled Sobol points.
 ///
 /// Film positions are pixels or, when neighbours share their corners, lattice points. Sequences
 /// of different film positions, frames or seeds are independent of each other.
+///
+/// Only the first two Sobol dimensions are used, which together are a (0, 2)-sequence; further
+/// pairs are the same points in another order, scrambled anew (Burley 2020, "Practical Hash-based
+/// Owen Scrambling", JCGT 9(4), section 5).
 #[derive(Clone, Copy, Debug)]
 pub struct Sequence {
     seed: u32,
@@ -20,17 +20,59 @@ impl Sequence {
         Sequence { seed }
     }
 
-    /// Four numbers in [0, 1) of sample `index`, for the purpose numbered `set`.
+    /// Two numbers in [0, 1) of sample `index`, for the purpose numbered `pair`.
     ///
-    /// Within a set the points of consecutive indices are stratified together, best in the first
-    /// two numbers; sets are padded, that is shuffled independently of each other (Burley,
-    /// section 5). Beyond 65,536 samples another scramble is used, independent of the first.
+    /// Any 2^k consecutive samples from a multiple of 2^k on are stratified as well as points in a
+    /// square can be.
     #[inline]
-    pub fn sample_4d(self, index: u32, set: u32) -> [f32; 4] {
-        let block = index / SEQUENCE_LENGTH;
-        let scramble = hash(self.seed ^ (block << 16 | set));
-        sobol_burley::sample_4d(index % SEQUENCE_LENGTH, 0, scramble)
+    pub fn sample_2d(self, index: u32, pair: u32) -> [f32; 2] {
+        let seed = hash(self.seed ^ pair.wrapping_mul(0x9e37_79b9));
+        let index = owen_scramble(index, seed);
+        // The first dimension mirrors the bits of the index; scrambling would mirror them back.
+        let x = scramble_reversed(index, seed.wrapping_mul(0x85eb_ca6b) ^ 0x68bc_21eb);
+        let y = scramble_reversed(pascal(index), seed.wrapping_mul(0xc2b2_ae35) ^ 0x02e5_be93);
+        [unit(x.reverse_bits()), unit(y.reverse_bits())]
     }
+
+    /// One number in [0, 1) of sample `index`, independent of the pair's points but in the same
+    /// strata over the samples.
+    #[inline]
+    pub fn sample_1d(self, index: u32, pair: u32) -> f32 {
+        let seed = hash(self.seed ^ pair.wrapping_mul(0x9e37_79b9) ^ 0x5851_f42d);
+        let index = owen_scramble(index, seed);
+        unit(scramble_reversed(index, seed.wrapping_mul(0x85eb_ca6b)).reverse_bits())
+    }
+}
+
+/// The upper 24 bits as a number in [0, 1): all that single precision can tell apart.
+fn unit(bits: u32) -> f32 {
+    (bits >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
+/// Nested uniform scrambling, most significant bit first.
+fn owen_scramble(value: u32, seed: u32) -> u32 {
+    scramble_reversed(value.reverse_bits(), seed).reverse_bits()
+}
+
+/// Nested uniform scrambling, least significant bit first: each bit flips by a hash of those below
+/// it. Laine and Karras 2011's form with the constants of N. Vegdahl 2021, "Building a Better LK
+/// Hash". `seed` is hashed already.
+fn scramble_reversed(mut value: u32, seed: u32) -> u32 {
+    value = value.wrapping_add(seed);
+    value ^= value.wrapping_mul(0x6c50_b47c);
+    value ^= value.wrapping_mul(0xb82f_1e52);
+    value ^= value.wrapping_mul(0xc7af_e638);
+    value ^ value.wrapping_mul(0x8d22_f6e6)
+}
+
+/// The index times Pascal's matrix modulo 2: the second Sobol dimension, bits mirrored. The matrix
+/// is a Kronecker power of its 2 x 2 corner, so five steps do it.
+fn pascal(mut index: u32) -> u32 {
+    index ^= (index & 0xffff_0000) >> 16;
+    index ^= (index & 0xff00_ff00) >> 8;
+    index ^= (index & 0xf0f0_f0f0) >> 4;
+    index ^= (index & 0xcccc_cccc) >> 2;
+    index ^ (index & 0xaaaa_aaaa) >> 1
 }
 
 /// A bijective 32-bit hash of low bias: "lowbias32", C. Wellons 2018, "Prospecting for Hash
@@ -48,46 +90,50 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sixteen_samples_fill_a_sixteenth_each_and_4_by_4_squares() {
+    fn every_elementary_interval_holds_one_point() {
         let sequence = Sequence::new(1, 2, 3, 4);
-        for set in [0, 1, 2, 5, 300] {
-            for first in [0, 16, 65_536, 131_120] {
-                let points: Vec<_> = (0..16).map(|i| sequence.sample_4d(first + i, set)).collect();
-                for dimension in 0..4 {
-                    let mut hit = [false; 16];
-                    for p in &points {
-                        hit[(p[dimension] * 16.0) as usize] = true;
+        for pair in [0, 1, 7, 300] {
+            for first in [0, 64, 64 * 1025, 1 << 31] {
+                let points: Vec<_> =
+                    (0..64).map(|i| sequence.sample_2d(first + i, pair)).collect();
+                for columns in [1, 2, 4, 8, 16, 32, 64] {
+                    let rows = 64 / columns;
+                    let mut hit = [false; 64];
+                    for [x, y] in &points {
+                        let column = (x * columns as f32) as usize;
+                        hit[column * rows + (y * rows as f32) as usize] = true;
                     }
-                    assert_eq!(hit, [true; 16]);
+                    assert_eq!(hit, [true; 64], "{columns} columns");
                 }
-                let mut hit = [false; 16];
-                for p in &points {
-                    hit[(p[0] * 4.0) as usize * 4 + (p[1] * 4.0) as usize] = true;
+                let mut hit = [false; 64];
+                for i in 0..64 {
+                    hit[(sequence.sample_1d(first + i, pair) * 64.0) as usize] = true;
                 }
-                assert_eq!(hit, [true; 16]);
+                assert_eq!(hit, [true; 64]);
             }
         }
     }
 
     #[test]
-    fn neighbours_frames_and_seeds_do_not_correlate() {
+    fn positions_frames_seeds_and_pairs_do_not_correlate() {
         let base = Sequence::new(0, 0, 0, 0);
+        let n = 4096;
+        let draw = |s: Sequence, pair: u32| -> Vec<f64> {
+            (0..n).map(|i| f64::from(s.sample_2d(i, pair)[0]) - 0.5).collect()
+        };
+        let first = draw(base, 1);
         let others = [
-            Sequence::new(0, 0, 1, 0),
-            Sequence::new(0, 0, 0, 1),
-            Sequence::new(0, 1, 0, 0),
-            Sequence::new(1, 0, 0, 0),
+            draw(Sequence::new(0, 0, 1, 0), 1),
+            draw(Sequence::new(0, 0, 0, 1), 1),
+            draw(Sequence::new(0, 1, 0, 0), 1),
+            draw(Sequence::new(1, 0, 0, 0), 1),
+            draw(base, 2),
+            (0..n).map(|i| f64::from(base.sample_2d(i, 1)[1]) - 0.5).collect(),
+            (0..n).map(|i| f64::from(base.sample_1d(i, 1)) - 0.5).collect(),
         ];
         for other in others {
-            let n = 4096;
-            let covariance = (0..n)
-                .map(|i| {
-                    let a = f64::from(base.sample_4d(i, 1)[0]) - 0.5;
-                    let b = f64::from(other.sample_4d(i, 1)[0]) - 0.5;
-                    12.0 * a * b
-                })
-                .sum::<f64>()
-                / f64::from(n);
+            let sum: f64 = first.iter().zip(&other).map(|(a, b)| 12.0 * a * b).sum();
+            let covariance = sum / f64::from(n);
             // Five standard deviations of the mean of n products of independent uniforms.
             assert!(covariance.abs() < 5.0 / f64::from(n).sqrt(), "{covariance}");
         }

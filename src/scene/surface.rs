@@ -72,17 +72,31 @@ impl Scene {
     fn triangle_point(&self, ray: &Ray, hit: &Hit) -> Point {
         let mesh_index = self.first_triangles.partition_point(|&first| first <= hit.primitive) - 1;
         let triangle = (hit.primitive - self.first_triangles[mesh_index]) as usize;
+        let (mesh, material) = (&self.meshes[mesh_index], &self.mesh_materials[mesh_index]);
         let position = ray.at(hit.t);
-        let point = self.meshes[mesh_index].interpolate(triangle, position);
-        let at = |material: usize| self.materials[material].at(point.uv, &self.textures);
+        let geometric_normal = mesh.geometric_normal(triangle);
+        let same_all_over = match material {
+            MeshMaterial::Uniform(id) => {
+                mesh.normals.is_empty() && self.materials[*id].texture.is_none()
+            }
+            MeshMaterial::PerVertex(_) => false,
+        };
+        // Flat and of one colour: no need to know where on the triangle the point is.
+        let weights = if same_all_over {
+            [1.0, 0.0, 0.0]
+        } else {
+            mesh.weights(triangle, position)
+        };
+        let uv = mesh.uv(triangle, weights);
+        let at = |material: usize| self.materials[material].at(uv, &self.textures);
         Point {
             position,
-            geometric_normal: point.geometric_normal,
-            shading_normal: point.shading_normal,
-            reflectance: match self.mesh_materials[mesh_index] {
-                MeshMaterial::Uniform(material) => at(material),
+            geometric_normal,
+            shading_normal: mesh.shading_normal(triangle, weights, geometric_normal),
+            reflectance: match material {
+                MeshMaterial::Uniform(id) => at(*id),
                 MeshMaterial::PerVertex(corners) => {
-                    Reflectance::barycentric(corners.map(at), point.weights)
+                    Reflectance::barycentric(corners.map(at), weights)
                 }
             },
             convex: [true, true],

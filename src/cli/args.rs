@@ -1,0 +1,151 @@
+use super::frames::FrameRanges;
+use crate::input::{Mode, Settings};
+use crate::output::FrameFormat;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+/// Renders pre-recorded camera fly-throughs: a scene and a camera path in, every frame out.
+#[derive(Debug, Parser)]
+#[command(version, max_term_width = 100)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    pub(super) command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Command {
+    Render(RenderArguments),
+    Check(CheckArguments),
+}
+
+/// Render the frames of a camera path
+///
+/// Settings may also stand in the scene or the path file; the path's win over the scene's, and a
+/// flag wins over both.
+///
+/// Frames that are already in the folder, made from the same files and settings, are left as they
+/// are; so an interrupted run is taken up again by the same command.
+///
+/// Exit status: 0 all frames are there, 2 wrong input or usage, 3 some frames failed.
+#[derive(Debug, Args)]
+pub(super) struct RenderArguments {
+    /// The scene file (RON)
+    pub(super) scene: PathBuf,
+    /// The camera path file (RON)
+    pub(super) path: PathBuf,
+    /// Folder for the frames: frame_00000.png onward
+    #[arg(short, long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// Frames to render, as in 0-99:2,120 [default: all]
+    #[arg(short, long, value_name = "RANGES")]
+    pub(super) frames: Option<FrameRanges>,
+    #[command(flatten)]
+    pub(super) settings: SettingsArguments,
+    /// Threads to use [default: all cores]
+    #[arg(short, long, value_name = "N")]
+    pub(super) threads: Option<NonZeroUsize>,
+    /// File format of the frames
+    #[arg(long, value_enum, default_value = "png")]
+    pub(super) format: FormatArgument,
+    /// Render frames even if they are there already
+    #[arg(long)]
+    pub(super) force: bool,
+    /// No progress bar and no summary
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+/// Load a scene and a camera path, say what is there and what is odd, render nothing
+#[derive(Debug, Args)]
+pub(super) struct CheckArguments {
+    /// The scene file (RON)
+    pub(super) scene: PathBuf,
+    /// The camera path file (RON)
+    pub(super) path: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct SettingsArguments {
+    /// raytracing, supersampling, montecarlo or montecarlo-supersampling [default: raytracing]
+    #[arg(short, long)]
+    mode: Option<Mode>,
+    /// Columns and rows, as in 1280x720 [default: 1280x720]
+    #[arg(short, long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<(u32, u32)>,
+    /// Camera samples spread over each pixel [default: 1 in its middle, or 4 in its corners in the
+    /// supersampling modes]
+    #[arg(long, value_name = "N")]
+    samples: Option<u32>,
+    /// Mirror reflections, in the montecarlo modes all bounces [default: 4]
+    #[arg(long, value_name = "N")]
+    bounces: Option<u32>,
+    /// Paths that go on from each diffuse bounce in the montecarlo modes [default: 32,1,1,1]
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',')]
+    splits: Option<Vec<u32>>,
+    /// Chooses the random numbers [default: 0]
+    #[arg(long, value_name = "N")]
+    seed: Option<u32>,
+    /// Exposure in stops: +1 doubles the light of PNG frames; EXR keeps it as it is [default: 0]
+    #[arg(long, value_name = "EV", allow_negative_numbers = true)]
+    exposure: Option<f32>,
+}
+
+impl SettingsArguments {
+    pub(super) fn settings(&self) -> Settings {
+        Settings {
+            mode: self.mode,
+            size: self.size,
+            samples: self.samples,
+            bounces: self.bounces,
+            splits: self.splits.clone(),
+            seed: self.seed,
+            exposure: self.exposure,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum FormatArgument {
+    /// 8 bits, sRGB
+    Png,
+    /// 16 bits, sRGB
+    Png16,
+    /// 32-bit floats, linear
+    Exr,
+}
+
+impl From<FormatArgument> for FrameFormat {
+    fn from(format: FormatArgument) -> FrameFormat {
+        match format {
+            FormatArgument::Png => FrameFormat::Png,
+            FormatArgument::Png16 => FrameFormat::Png16,
+            FormatArgument::Exr => FrameFormat::Exr,
+        }
+    }
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let parts = text.split_once(['x', 'X']);
+    let numbers = parts.and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    numbers.ok_or_else(|| "write columns and rows, as in 1280x720".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn definitions_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn sizes() {
+        assert_eq!(parse_size("1280x720"), Ok((1280, 720)));
+        for wrong in ["1280", "x", "12x", "-1x2", "1.5x2", "1x2x3"] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! The command line: what the user types, turned into work, progress and an exit status.
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "talking to the user is its job")]
+
+mod args;
+mod check;
+mod frames;
+mod progress;
+mod render;
+
+use args::{Arguments, Command};
+use clap::Parser;
+use std::process::ExitCode;
+
+/// What to tell the caller, a person or a scheduler.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Status {
+    /// All that was asked for is there.
+    Done = 0,
+    /// The input or the command is wrong: trying again cannot help.
+    BadInput = 2,
+    /// Some frames could not be made: trying again may help.
+    SomeFailed = 3,
+}
+
+/// Runs the program on the process's arguments.
+pub fn run() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Render(render) => render::run(&render),
+        Command::Check(check) => check::run(&check),
+    };
+    let status = result.unwrap_or_else(|error| {
+        eprintln!("flythrough: {error}");
+        Status::BadInput
+    });
+    ExitCode::from(status as u8)
+}
+
+/// Any error that ends a command before its work.
+type Failure = Box<dyn std::error::Error>;
+
+fn warn(warnings: &[String]) {
+    for warning in warnings {
+        eprintln!("warning: {warning}");
+    }
+}

@@ -1,0 +1,79 @@
+//! Checks of single values, with messages that name them.
+
+use super::error::InputError;
+use glam::{DVec3, Vec3};
+use std::path::Path;
+
+/// A triple in a file: (x, y, z) or (r, g, b).
+pub(super) type Triple = (f64, f64, f64);
+
+/// Coordinates beyond this lose so much to rounding, or overflow when squared, that no picture
+/// could be right.
+const LARGEST: f64 = 1e15;
+
+/// Names values of one file in messages.
+#[derive(Clone, Copy)]
+pub(super) struct Checker<'a> {
+    pub(super) file: &'a Path,
+}
+
+impl Checker<'_> {
+    pub(super) fn refuse<T>(self, key: &str, message: impl Into<String>) -> Result<T, InputError> {
+        Err(InputError::Value {
+            file: self.file.to_owned(),
+            key: key.to_owned(),
+            message: message.into(),
+        })
+    }
+
+    /// A number within `least..=most`.
+    pub(super) fn range(
+        self,
+        key: &str,
+        value: f64,
+        least: f64,
+        most: f64,
+    ) -> Result<f64, InputError> {
+        if value >= least && value <= most {
+            return Ok(value);
+        }
+        self.refuse(key, format!("{value} is not between {least} and {most}"))
+    }
+
+    /// A number above 0.
+    pub(super) fn positive(self, key: &str, value: f64) -> Result<f64, InputError> {
+        if value > 0.0 && value <= LARGEST {
+            return Ok(value);
+        }
+        self.refuse(key, format!("{value} is not a number above 0 and up to {LARGEST:e}"))
+    }
+
+    /// A point, direction or set of angles.
+    pub(super) fn vector(self, key: &str, (x, y, z): Triple) -> Result<DVec3, InputError> {
+        let vector = DVec3::new(x, y, z);
+        if vector.is_finite() && vector.abs().max_element() <= LARGEST {
+            return Ok(vector);
+        }
+        self.refuse(
+            key,
+            format!("({x}, {y}, {z}): every number must lie between -{LARGEST:e} and {LARGEST:e}"),
+        )
+    }
+
+    /// A colour with channels within `0..=most`.
+    pub(super) fn color(self, key: &str, rgb: Triple, most: f64) -> Result<Vec3, InputError> {
+        let (r, g, b) = rgb;
+        let color = DVec3::new(r, g, b);
+        if color.is_finite() && color.min_element() >= 0.0 && color.max_element() <= most {
+            return Ok(color.as_vec3());
+        }
+        let most = if most == 1.0 { "1".to_owned() } else { format!("{most:e}") };
+        self.refuse(
+            key,
+            format!("({r}, {g}, {b}): every channel must lie between 0 and {most}"),
+        )
+    }
+}
+
+/// The largest light: its square still is a number in single precision.
+pub(super) const BRIGHTEST: f64 = 1e15;

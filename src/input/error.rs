@@ -1,0 +1,72 @@
+use std::io;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// What is wrong with an input file, where, and what to do about it.
+#[derive(Debug, Error)]
+pub enum InputError {
+    /// A file could not be read.
+    #[error("{file}: cannot be read: {source}", file = .file.display())]
+    Read {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A file that another one names could not be read.
+    #[error(
+        "{file}: {key} names {missing}, which cannot be read: {source}; names are relative to the \
+         folder of the file they stand in",
+        file = .file.display(), missing = .missing.display()
+    )]
+    Reference {
+        /// The file that names it.
+        file: PathBuf,
+        /// Where in that file.
+        key: String,
+        /// The file that is named.
+        missing: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The text does not follow the file's syntax.
+    #[error("{file}:{line}:{column}: {message}", file = .file.display())]
+    Syntax {
+        /// The file.
+        file: PathBuf,
+        /// Line, from 1.
+        line: usize,
+        /// Column, from 1.
+        column: usize,
+        /// What is wrong there.
+        message: String,
+    },
+    /// A value is not one that can be rendered.
+    #[error("{file}: {key}: {message}", file = .file.display())]
+    Value {
+        /// The file.
+        file: PathBuf,
+        /// Which value, as in `objects[3].radius`.
+        key: String,
+        /// What is wrong with it and what to write instead.
+        message: String,
+    },
+    /// An OBJ or MTL file is broken.
+    #[error("{file}:{line}: {message}", file = .file.display())]
+    Model {
+        /// The file.
+        file: PathBuf,
+        /// The line, from 1, at or before which the fault was noticed.
+        line: usize,
+        /// What is wrong.
+        message: String,
+    },
+    /// An image cannot be decoded.
+    #[error("{file}: not an image that can be used: {source}", file = .file.display())]
+    Image {
+        /// The file.
+        file: PathBuf,
+        /// What the decoder says.
+        source: image::ImageError,
+    },
+}

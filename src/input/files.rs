@@ -1,0 +1,58 @@
+use super::error::InputError;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Reads input files and remembers what was in them, so that frames can be told to be of these
+/// inputs and no others.
+#[derive(Debug, Default)]
+pub struct InputFiles {
+    hashes: BTreeMap<PathBuf, blake3::Hash>,
+}
+
+impl InputFiles {
+    /// The bytes of a file that the user named.
+    pub fn read(&mut self, file: &Path) -> Result<Vec<u8>, InputError> {
+        let bytes = fs::read(file).map_err(|source| InputError::Read {
+            file: file.to_owned(),
+            source,
+        })?;
+        self.hashes.insert(file.to_owned(), blake3::hash(&bytes));
+        Ok(bytes)
+    }
+
+    /// The bytes of the file that `key` of the file `from` names.
+    pub fn read_reference(
+        &mut self,
+        file: &Path,
+        from: &Path,
+        key: &str,
+    ) -> Result<Vec<u8>, InputError> {
+        self.read(file).map_err(|error| match error {
+            InputError::Read { file, source } => InputError::Reference {
+                file: from.to_owned(),
+                key: key.to_owned(),
+                missing: file,
+                source,
+            },
+            other => other,
+        })
+    }
+
+    /// A hash of the contents of all files read so far; their names and places do not count.
+    pub fn fingerprint(&self) -> blake3::Hash {
+        let mut hashes: Vec<&[u8; 32]> = self.hashes.values().map(blake3::Hash::as_bytes).collect();
+        hashes.sort_unstable();
+        let mut hasher = blake3::Hasher::new();
+        for hash in hashes {
+            hasher.update(hash);
+        }
+        hasher.finalize()
+    }
+}
+
+/// `name` as it stands in `file`: relative to that file's folder, with either kind of slash.
+pub(super) fn relative_to(file: &Path, name: &str) -> PathBuf {
+    let name = name.trim().replace('\\', "/");
+    file.parent().unwrap_or(Path::new("")).join(name)
+}

@@ -1,0 +1,22 @@
+//! Files in, resolved scene and camera path out: the only place that knows file syntax, units of
+//! the files, defaults and relative names.
+//!
+//! Colours in files are linear RGB, lengths metres, angles degrees, times seconds. Whatever is
+//! wrong is refused with the file and the place; whatever is left out of the picture is said in a
+//! warning.
+
+mod camera_path_file;
+mod check;
+mod error;
+mod files;
+mod obj;
+mod ron_file;
+mod scene_file;
+mod settings_file;
+mod texture_file;
+
+pub use camera_path_file::{CameraPathInput, load_camera_path};
+pub use error::InputError;
+pub use files::InputFiles;
+pub use scene_file::{SceneInput, load_scene};
+pub use settings_file::{Mode, Settings, SettingsError};

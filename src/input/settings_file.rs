@@ -1,0 +1,208 @@
+use crate::integrator::Integrator;
+use crate::render::{PixelSampling, RenderSettings};
+use serde::Deserialize;
+use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
+
+/// How frames are rendered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "String")]
+pub enum Mode {
+    /// Direct light, ambient light, mirrors.
+    Raytracing,
+    /// The same with four samples, in the pixel's corners.
+    Supersampling,
+    /// Light gathered from everywhere.
+    Montecarlo,
+    /// The same with four samples, in the pixel's corners.
+    MontecarloSupersampling,
+}
+
+impl Mode {
+    const NAMES: [(&'static str, Mode); 4] = [
+        ("raytracing", Mode::Raytracing),
+        ("supersampling", Mode::Supersampling),
+        ("montecarlo", Mode::Montecarlo),
+        ("montecarlo-supersampling", Mode::MontecarloSupersampling),
+    ];
+}
+
+impl FromStr for Mode {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Mode, String> {
+        let found = Mode::NAMES.into_iter().find(|(n, _)| *n == name);
+        found.map(|(_, mode)| mode).ok_or_else(|| {
+            let names = Mode::NAMES.map(|(name, _)| name).join(", ");
+            format!("no mode is called \"{name}\"; there are: {names}")
+        })
+    }
+}
+
+impl TryFrom<String> for Mode {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<Mode, String> {
+        name.parse()
+    }
+}
+
+impl fmt::Display for Mode {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let found = Mode::NAMES.into_iter().find(|(_, mode)| mode == self);
+        f.write_str(found.map_or("", |(name, _)| name))
+    }
+}
+
+/// Render settings as far as one source gives them: a scene file, a path file or the command line.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Settings {
+    /// How frames are rendered.
+    pub mode: Option<Mode>,
+    /// Columns and rows.
+    pub size: Option<(u32, u32)>,
+    /// Camera samples for each pixel, spread over its square.
+    pub samples: Option<u32>,
+    /// How many bounces are counted.
+    pub bounces: Option<u32>,
+    /// How many paths go on from each diffuse bounce.
+    pub splits: Option<Vec<u32>>,
+    /// Chooses the random numbers.
+    pub seed: Option<u32>,
+    /// Exposure in stops.
+    pub exposure: Option<f32>,
+}
+
+/// A setting that cannot be rendered with.
+#[derive(Debug, Error, PartialEq)]
+#[error("{key}: {message}")]
+pub struct SettingsError {
+    /// The setting's name.
+    pub key: &'static str,
+    /// What is wrong and what to write instead.
+    pub message: String,
+}
+
+impl Settings {
+    /// These settings, and those of `weaker` where these say nothing.
+    pub fn or(self, weaker: Settings) -> Settings {
+        Settings {
+            mode: self.mode.or(weaker.mode),
+            size: self.size.or(weaker.size),
+            samples: self.samples.or(weaker.samples),
+            bounces: self.bounces.or(weaker.bounces),
+            splits: self.splits.or(weaker.splits),
+            seed: self.seed.or(weaker.seed),
+            exposure: self.exposure.or(weaker.exposure),
+        }
+    }
+
+    /// Refuses what cannot be rendered with.
+    pub fn check(&self) -> Result<(), SettingsError> {
+        let within = |key, value: u32, least: u32, most: u32| {
+            if (least..=most).contains(&value) {
+                return Ok(());
+            }
+            let message = format!("{value} is not between {least} and {most}");
+            Err(SettingsError { key, message })
+        };
+        if let Some((width, height)) = self.size {
+            within("size", width, 1, 32_768)?;
+            within("size", height, 1, 32_768)?;
+        }
+        if let Some(samples) = self.samples {
+            within("samples", samples, 1, 1 << 20)?;
+        }
+        if let Some(bounces) = self.bounces {
+            within("bounces", bounces, 0, 64)?;
+        }
+        for &split in self.splits.iter().flatten() {
+            within("splits", split, 1, 1 << 20)?;
+        }
+        if let Some(exposure) = self.exposure
+            && !(exposure.abs() <= 64.0)
+        {
+            let message = format!("{exposure} stops are not between -64 and 64");
+            return Err(SettingsError {
+                key: "exposure",
+                message,
+            });
+        }
+        Ok(())
+    }
+
+    /// The settings of frames, with defaults for what nothing says: raytracing, 1280 x 720,
+    /// 4 bounces, 32 paths from the first diffuse bounce, seed 0.
+    pub fn resolve(&self) -> RenderSettings {
+        let mode = self.mode.unwrap_or(Mode::Raytracing);
+        let (width, height) = self.size.unwrap_or((1280, 720));
+        let bounces = self.bounces.unwrap_or(4);
+        let integrator = match mode {
+            Mode::Raytracing | Mode::Supersampling => Integrator::RayTracing { bounces },
+            Mode::Montecarlo | Mode::MontecarloSupersampling => Integrator::MonteCarlo {
+                bounces,
+                splits: self.splits.clone().unwrap_or_else(|| vec![32, 1, 1, 1]),
+            },
+        };
+        let sampling = match (self.samples, mode) {
+            (Some(count), _) => PixelSampling::Spread(count),
+            (None, Mode::Supersampling | Mode::MontecarloSupersampling) => PixelSampling::Corners,
+            (None, Mode::Raytracing | Mode::Montecarlo) => PixelSampling::Center,
+        };
+        RenderSettings {
+            width,
+            height,
+            integrator,
+            sampling,
+            seed: self.seed.unwrap_or(0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_mode_has_one_name() {
+        for (name, mode) in Mode::NAMES {
+            assert_eq!(name.parse(), Ok(mode));
+            assert_eq!(mode.to_string(), name);
+        }
+        assert!("Raytracing".parse::<Mode>().is_err_and(|e| e.contains("montecarlo")));
+    }
+
+    #[test]
+    fn the_stronger_source_wins_setting_by_setting() {
+        let flags = Settings {
+            samples: Some(4),
+            ..Settings::default()
+        };
+        let file = Settings {
+            samples: Some(9),
+            mode: Some(Mode::MontecarloSupersampling),
+            bounces: Some(2),
+            ..Settings::default()
+        };
+        let resolved = flags.or(file).resolve();
+        assert_eq!(resolved.sampling, PixelSampling::Spread(4));
+        let splits = vec![32, 1, 1, 1];
+        assert_eq!(resolved.integrator, Integrator::MonteCarlo { bounces: 2, splits });
+        assert_eq!((resolved.width, resolved.height), (1280, 720));
+    }
+
+    #[test]
+    fn refuses_settings_out_of_range() {
+        let refused = |settings: Settings| settings.check().err().map(|e| e.key);
+        let none = Settings::default();
+        assert_eq!(refused(none.clone()), None);
+        assert_eq!(refused(Settings { size: Some((0, 9)), ..none.clone() }), Some("size"));
+        assert_eq!(refused(Settings { samples: Some(0), ..none.clone() }), Some("samples"));
+        assert_eq!(refused(Settings { bounces: Some(65), ..none.clone() }), Some("bounces"));
+        assert_eq!(refused(Settings { splits: Some(vec![1, 0]), ..none.clone() }), Some("splits"));
+        let exposure = Some(f32::NAN);
+        assert_eq!(refused(Settings { exposure, ..none }), Some("exposure"));
+    }
+}

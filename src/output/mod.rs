@@ -1,0 +1,7 @@
+//! Finished films to files: names, encodings, and a folder that never holds half a frame.
+
+mod folder;
+mod format;
+
+pub use folder::{FrameFolder, FolderError, SequenceInfo};
+pub use format::FrameFormat;

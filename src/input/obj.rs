@@ -61,7 +61,7 @@ pub(super) fn load(
         ignore_lines: true,
     };
     let text = String::from_utf8_lossy(bytes);
-    let mut reader = LineCounter::new(text.as_bytes());
+    let mut reader = Lines::new(text.as_bytes());
     // tobj goes on without a library that cannot be loaded; this keeps the reason.
     let state = RefCell::new((files, None, Vec::new()));
     let loaded = tobj::load_obj_buf(&mut reader, &options, |name| {
@@ -132,7 +132,7 @@ fn load_library(
 ) -> Result<Library, InputError> {
     let bytes = files.read_reference(library, file, "mtllib")?;
     let text = String::from_utf8_lossy(&bytes);
-    let mut reader = LineCounter::new(text.as_bytes());
+    let mut reader = Lines::new(text.as_bytes());
     let loaded = tobj::load_mtl_buf(&mut reader).map_err(|error| InputError::Model {
         file: library.to_owned(),
         line: reader.line,
@@ -252,34 +252,80 @@ fn resolve(
     })
 }
 
-/// Counts the lines that a parser has taken, for its error messages.
-struct LineCounter<'a> {
+/// Gives a parser one line at a time and counts them, for its error messages.
+///
+/// tobj cannot keep corners with and without normals, or texture coordinates, apart in one group
+/// of faces, so a group ends where the faces' form changes.
+struct Lines<'a> {
     text: &'a [u8],
     line: usize,
+    form: Option<FaceForm>,
 }
 
-impl<'a> LineCounter<'a> {
-    fn new(text: &'a [u8]) -> LineCounter<'a> {
-        LineCounter { text, line: 0 }
+/// Whether the corners of a face have texture coordinates, and normals.
+type FaceForm = (bool, bool);
+
+/// Starts a new group of faces of the same material.
+const NEW_GROUP: &[u8] = b"g\n";
+
+impl<'a> Lines<'a> {
+    fn new(text: &'a [u8]) -> Lines<'a> {
+        Lines {
+            text,
+            line: 0,
+            form: None,
+        }
     }
-}
 
-impl Read for LineCounter<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        self.text.read(buffer)
-    }
-}
-
-impl BufRead for LineCounter<'_> {
-    fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
-        // One line at a time, so that what is consumed is what has been parsed.
+    fn next_line(&self) -> &'a [u8] {
         let end = self.text.iter().position(|&byte| byte == b'\n');
-        Ok(&self.text[..end.map_or(self.text.len(), |end| end + 1)])
+        &self.text[..end.map_or(self.text.len(), |end| end + 1)]
+    }
+
+    /// Whether the next line's faces cannot go into the group of those before.
+    fn form_changes(&self) -> bool {
+        let next = face_form(self.next_line());
+        next.is_some() && self.form.is_some() && next != self.form
+    }
+}
+
+/// The form of a face by its first corner; none for other lines.
+fn face_form(line: &[u8]) -> Option<FaceForm> {
+    let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    if words.next()? != b"f" {
+        return None;
+    }
+    let mut indices = words.next()?.split(|&byte| byte == b'/').skip(1);
+    let mut given = || indices.next().is_some_and(|index| !index.is_empty());
+    Some((given(), given()))
+}
+
+impl Read for Lines<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let mut available = self.fill_buf()?;
+        let amount = available.read(buffer)?;
+        self.consume(amount);
+        Ok(amount)
+    }
+}
+
+impl BufRead for Lines<'_> {
+    fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
+        Ok(if self.form_changes() {
+            NEW_GROUP
+        } else {
+            self.next_line()
+        })
     }
 
     fn consume(&mut self, amount: usize) {
-        self.line += usize::from(amount > 0);
-        self.text = &self.text[amount..];
+        if amount > 0 && self.form_changes() {
+            self.form = None;
+        } else if amount > 0 {
+            self.form = face_form(self.next_line()).or(self.form);
+            self.line += 1;
+            self.text = &self.text[amount..];
+        }
     }
 }
 
@@ -321,6 +367,21 @@ mod tests {
         let model = load_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nf 1/1 2 3\n").expect("a face");
         assert!(model.parts[0].uvs.is_empty());
         assert!(model.warnings[0].contains("texture coordinates to some corners only"));
+    }
+
+    #[test]
+    fn faces_with_and_without_normals_in_one_object() {
+        let model = load_text(
+            "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 1 2 3\nf 3 2 1\n\
+             f 1//1 2//1 3//1\nf 1 2 3 9\n",
+        );
+        assert!(model.is_err_and(|e| e.to_string().starts_with("x.obj:9: ")));
+        let model = load_text(
+            "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 1 2 3\nf 3 2 1\n",
+        )
+        .expect("two groups");
+        let counts = model.parts.iter().map(|p| (p.triangles.len(), p.normals.len()));
+        assert_eq!(counts.collect::<Vec<_>>(), [(1, 3), (2, 0)]);
     }
 
     #[test]

@@ -1,0 +1,26 @@
+#!/usr/bin/env bash
+# Renders the two videos: the translate-and-rotate one (ray traced) and the zoom one (Monte Carlo).
+#
+#   scripts/render_videos.sh [OUT_DIR [flythrough render options]]
+#
+# Frames and videos go to OUT_DIR (default: out). An interrupted run is taken up where it stopped.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+out=${1:-out}
+shift || true
+
+command -v cargo >/dev/null || { echo "cargo is missing: install Rust first" >&2; exit 2; }
+if ! command -v ffmpeg >/dev/null; then
+    echo "Installing ffmpeg"
+    root=; [ "$(id -u)" -eq 0 ] || root=sudo
+    $root apt-get update -qq
+    $root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq ffmpeg >/dev/null
+fi
+cargo build --release --quiet
+
+for name in translate_rotate zoom; do
+    echo "Rendering $name"
+    target/release/flythrough render scenes/test2.ron "paths/$name.ron" --out "$out/$name" "$@"
+    scripts/make_video.sh "$out/$name" "$out/$name.mp4"
+done
+echo "The videos: $out/translate_rotate.mp4 and $out/zoom.mp4"

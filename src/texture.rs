@@ -54,19 +54,29 @@ impl Texture {
     }
 }
 
+/// The largest whole number up to `x`. Beyond 2^31 a float is whole already.
+fn floor(x: f32) -> f32 {
+    let truncated = x as i32 as f32;
+    if x.abs() >= 2_147_483_648.0 {
+        x
+    } else if truncated > x {
+        truncated - 1.0
+    } else {
+        truncated
+    }
+}
+
 /// The two texels of a row of `count` around coordinate `u`, and the weight of the second.
 fn neighbours(u: f32, count: usize) -> (usize, usize, f32) {
     // Wrapping first keeps all of the fraction's bits for far tiles.
-    let wrapped = if u.is_finite() { u - u.floor() } else { 0.0 };
-    let position = wrapped * count as f32 - 0.5;
-    let below = position.floor();
-    let first = if below < 0.0 {
-        count - 1
-    } else {
-        (below as usize).min(count - 1)
-    };
-    let second = if first + 1 == count { 0 } else { first + 1 };
-    (first, second, position - below)
+    let wrapped = u - floor(u);
+    let wrapped = if wrapped.is_finite() { wrapped } else { 0.0 };
+    // In 0.5..=count + 0.5, so that truncation is floor; one too many, as the texel before it.
+    let position = wrapped * count as f32 + 0.5;
+    let after = position as usize;
+    let second = if after >= count { after - count } else { after };
+    let first = if after == 0 { count - 1 } else { after - 1 };
+    (first, second, position - after as f32)
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ mod transform;
 mod triangle;
 
 pub use hit::Hit;
-pub use mesh::Mesh;
+pub use mesh::{Corners, Mesh};
 pub use sphere::Sphere;
 pub use transform::Transform;
 pub use triangle::plane_distance;

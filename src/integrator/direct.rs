@@ -19,11 +19,16 @@ pub(super) fn direct(
             continue;
         }
         let distance_squared = to_light.length_squared();
-        let direction = to_light / distance_squared.sqrt();
+        let distance = distance_squared.sqrt();
+        let direction = to_light / distance;
         let reflected =
             surface.reflectance.reflect_light(surface.shading_normal, direction, viewer);
         let contribution = reflected * light.color_at(distance_squared);
-        if contribution != Vec3::ZERO && !scene.occluded(&surface.towards(light), traversal) {
+        if contribution == Vec3::ZERO {
+            continue;
+        }
+        let shadow_ray = surface.towards(light.position, direction, distance);
+        if !scene.occluded(&shadow_ray, traversal) {
             sum += contribution;
         }
     }

@@ -31,7 +31,9 @@ impl Sequence {
         // The first dimension mirrors the bits of the index; scrambling would mirror them back.
         let x = scramble_reversed(index, seed.wrapping_mul(0x85eb_ca6b) ^ 0x68bc_21eb);
         let y = scramble_reversed(pascal(index), seed.wrapping_mul(0xc2b2_ae35) ^ 0x02e5_be93);
-        [unit(x.reverse_bits()), unit(y.reverse_bits())]
+        // Both mirrored at once; the halves change places.
+        let both = (u64::from(x) << 32 | u64::from(y)).reverse_bits();
+        [unit(both as u32), unit((both >> 32) as u32)]
     }
 
     /// One number in [0, 1) of sample `index`, independent of the pair's points but in the same

@@ -1,4 +1,4 @@
-use super::Scene;
+use super::{Scene, Triangle};
 use crate::accel::Bvh;
 use crate::geometry::{Mesh, Sphere};
 use crate::light::PointLight;
@@ -55,20 +55,30 @@ impl SceneBuilder {
         let origin = self.origin();
         let relative = |p: DVec3| (p - origin).as_vec3();
         let mut dropped = 0;
+        let mut corner_positions = Vec::new();
+        let mut triangles = Vec::new();
         let mut meshes = Vec::new();
         let mut mesh_materials = Vec::new();
         for source in self.meshes {
-            let mut mesh = Mesh {
+            let mesh = Mesh {
                 positions: source.positions.into_iter().map(relative).collect(),
                 normals: source.normals,
                 uvs: source.uvs,
-                triangles: source.triangles,
             };
-            dropped += mesh.drop_degenerate();
-            if !mesh.triangles.is_empty() {
-                meshes.push(mesh);
-                mesh_materials.push(source.material);
+            for corners in source.triangles {
+                let Some(normal) = mesh.geometric_normal(corners) else {
+                    dropped += 1;
+                    continue;
+                };
+                corner_positions.push(mesh.triangle(corners));
+                triangles.push(Triangle {
+                    corners,
+                    mesh: meshes.len() as u32,
+                    normal,
+                });
             }
+            meshes.push(mesh);
+            mesh_materials.push(source.material);
         }
         let (spheres, sphere_materials): (Vec<Sphere>, Vec<usize>) = self
             .spheres
@@ -83,13 +93,7 @@ impl SceneBuilder {
             ..light
         });
 
-        let mut triangles = Vec::new();
-        let mut first_triangles = Vec::new();
-        for mesh in &meshes {
-            first_triangles.push(triangles.len() as u32);
-            triangles.extend((0..mesh.triangles.len()).map(|i| mesh.corners(i)));
-        }
-        let bvh = Bvh::new(&triangles, spheres.clone());
+        let bvh = Bvh::new(&corner_positions, spheres.clone());
         let bounds = bvh.bounds();
         let scene = Scene {
             origin,
@@ -97,13 +101,12 @@ impl SceneBuilder {
             ambient: self.ambient,
             background: self.background,
             mesh_materials,
-            first_triangles,
+            triangles,
             sphere_materials,
             materials: self.materials,
             textures: self.textures,
             bvh,
             magnitude: bounds.max.max(-bounds.min).max_element().max(0.0),
-            triangle_count: triangles.len() as u32,
             meshes,
             spheres,
         };

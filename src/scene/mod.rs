@@ -12,7 +12,7 @@ pub use builder::{MeshMaterial, SceneBuilder, SourceMesh};
 pub use surface::Surface;
 
 use crate::accel::{Bvh, Traversal};
-use crate::geometry::{Hit, Mesh, Sphere};
+use crate::geometry::{Corners, Hit, Mesh, Sphere};
 use crate::light::PointLight;
 use crate::material::Material;
 use crate::math::{Aabb, Ray};
@@ -32,17 +32,24 @@ pub struct Scene {
     pub background: Vec3,
     meshes: Vec<Mesh>,
     mesh_materials: Vec<MeshMaterial>,
-    /// For each mesh the number of its first triangle, ascending; a triangle's number less it is
-    /// the triangle's index in the mesh.
-    first_triangles: Vec<u32>,
+    triangles: Vec<Triangle>,
     spheres: Vec<Sphere>,
     sphere_materials: Vec<usize>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
     bvh: Bvh,
-    triangle_count: u32,
     /// The largest absolute coordinate of any shape.
     magnitude: f32,
+}
+
+/// What shading needs of a triangle, side by side.
+#[derive(Clone, Copy, Debug)]
+struct Triangle {
+    corners: Corners,
+    /// The index of its mesh.
+    mesh: u32,
+    /// Unit normal of its winding.
+    normal: Vec3,
 }
 
 impl Scene {
@@ -63,7 +70,7 @@ impl Scene {
 
     /// How many triangles there are.
     pub fn triangle_count(&self) -> usize {
-        self.triangle_count as usize
+        self.triangles.len()
     }
 
     /// How many spheres there are.
@@ -82,9 +89,9 @@ impl Scene {
             size_of_val(&*mesh.positions)
                 + size_of_val(&*mesh.normals)
                 + size_of_val(&*mesh.uvs)
-                + size_of_val(&*mesh.triangles)
         });
+        let triangles = size_of_val(&*self.triangles);
         let textures = self.textures.iter().map(Texture::memory);
-        self.bvh.memory() + meshes.sum::<usize>() + textures.sum::<usize>()
+        self.bvh.memory() + triangles + meshes.sum::<usize>() + textures.sum::<usize>()
     }
 }

@@ -1,6 +1,5 @@
-use super::{MeshMaterial, Scene};
+use super::{MeshMaterial, Scene, Triangle};
 use crate::geometry::Hit;
-use crate::light::PointLight;
 use crate::material::Reflectance;
 use crate::math::{NO_PRIMITIVE, Ray};
 use glam::{DVec3, Vec2, Vec3};
@@ -35,10 +34,10 @@ struct Point {
 impl Scene {
     /// The surface that `ray` sees at `hit`.
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
-        let point = if hit.primitive < self.triangle_count {
-            self.triangle_point(ray, hit)
-        } else {
-            self.sphere_point(ray, hit)
+        let number = hit.primitive as usize;
+        let point = match self.triangles.get(number) {
+            Some(triangle) => self.triangle_point(ray.at(hit.t), triangle),
+            None => self.sphere_point(ray.at(hit.t), number - self.triangles.len()),
         };
         let outside = point.geometric_normal.dot(ray.direction) < 0.0;
         let geometric_normal = if outside {
@@ -69,12 +68,10 @@ impl Scene {
         }
     }
 
-    fn triangle_point(&self, ray: &Ray, hit: &Hit) -> Point {
-        let mesh_index = self.first_triangles.partition_point(|&first| first <= hit.primitive) - 1;
-        let triangle = (hit.primitive - self.first_triangles[mesh_index]) as usize;
-        let (mesh, material) = (&self.meshes[mesh_index], &self.mesh_materials[mesh_index]);
-        let position = ray.at(hit.t);
-        let geometric_normal = mesh.geometric_normal(triangle);
+    fn triangle_point(&self, position: DVec3, triangle: &Triangle) -> Point {
+        let corners = triangle.corners;
+        let mesh = &self.meshes[triangle.mesh as usize];
+        let material = &self.mesh_materials[triangle.mesh as usize];
         let same_all_over = match material {
             MeshMaterial::Uniform(id) => {
                 mesh.normals.is_empty() && self.materials[*id].texture.is_none()
@@ -85,28 +82,27 @@ impl Scene {
         let weights = if same_all_over {
             [1.0, 0.0, 0.0]
         } else {
-            mesh.weights(triangle, position)
+            mesh.weights(corners, position)
         };
-        let uv = mesh.uv(triangle, weights);
+        let uv = mesh.uv(corners, weights);
         let at = |material: usize| self.materials[material].at(uv, &self.textures);
         Point {
             position,
-            geometric_normal,
-            shading_normal: mesh.shading_normal(triangle, weights, geometric_normal),
+            geometric_normal: triangle.normal,
+            shading_normal: mesh.shading_normal(corners, weights, triangle.normal),
             reflectance: match material {
                 MeshMaterial::Uniform(id) => at(*id),
-                MeshMaterial::PerVertex(corners) => {
-                    Reflectance::barycentric(corners.map(at), weights)
+                MeshMaterial::PerVertex(ids) => {
+                    Reflectance::barycentric(ids.map(at), weights)
                 }
             },
             convex: [true, true],
         }
     }
 
-    fn sphere_point(&self, ray: &Ray, hit: &Hit) -> Point {
-        let index = (hit.primitive - self.triangle_count) as usize;
+    fn sphere_point(&self, position: DVec3, index: usize) -> Point {
         let sphere = &self.spheres[index];
-        let normal = (ray.at(hit.t) - sphere.center).normalize();
+        let normal = (position - sphere.center).normalize();
         let material = &self.materials[self.sphere_materials[index]];
         let uv = match material.texture {
             Some(_) => sphere.uv(normal),
@@ -145,16 +141,15 @@ impl Surface {
         }
     }
 
-    /// A ray from the surface that ends at `light`: parameter 1. What it meets is in the way.
+    /// A ray from the surface towards a light, which is `distance` away in the unit direction
+    /// `direction`: what it meets is in the way.
     ///
     /// It stops short of the light by the rounding of its two ends, so a light on a surface lights
     /// the surface's own side.
-    pub fn towards(&self, light: &PointLight) -> Ray {
-        let mut ray = self.leave(light.position - self.position);
-        ray.direction = light.position - ray.origin;
-        let largest = self.position.abs().max(light.position.abs()).max_element();
-        let slack = 4.0 * f32::EPSILON * largest / ray.direction.abs().max_element();
-        ray.t_max = (1.0 - slack).max(0.0);
+    pub fn towards(&self, light: Vec3, direction: Vec3, distance: f32) -> Ray {
+        let mut ray = self.leave(direction);
+        let largest = self.position.abs().max(light.abs()).max_element();
+        ray.t_max = (distance - self.offset - 4.0 * f32::EPSILON * largest).max(0.0);
         ray
     }
 }

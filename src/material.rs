@@ -52,7 +52,9 @@ impl Reflectance {
     /// The mean of three, weighted by barycentric coordinates that sum to 1.
     pub fn barycentric(corners: [Reflectance; 3], weights: [f32; 3]) -> Reflectance {
         let mix = |of: fn(&Reflectance) -> Vec3| {
-            of(&corners[0]) * weights[0] + of(&corners[1]) * weights[1] + of(&corners[2]) * weights[2]
+            of(&corners[0]) * weights[0]
+                + of(&corners[1]) * weights[1]
+                + of(&corners[2]) * weights[2]
         };
         Reflectance {
             diffuse: mix(|r| r.diffuse),

@@ -36,7 +36,9 @@ pub(super) fn build(triangles: &[[Vec3; 3]], spheres: Vec<Sphere>, kernel: Kerne
         blocks: Vec::new(),
         spheres,
         first_sphere,
-        bounds: primitives.iter().fold(Aabb::EMPTY, |b, p| b.union(p.bounds)),
+        bounds: primitives
+            .iter()
+            .fold(Aabb::EMPTY, |b, p| b.union(p.bounds)),
         kernel,
     };
     if primitives.is_empty() {
@@ -70,7 +72,9 @@ enum Kind {
 }
 
 fn split(primitives: &mut [Primitive], first_sphere: u32, depth: u32) -> Tree {
-    let bounds = primitives.iter().fold(Aabb::EMPTY, |b, p| b.union(p.bounds));
+    let bounds = primitives
+        .iter()
+        .fold(Aabb::EMPTY, |b, p| b.union(p.bounds));
     let is_sphere = |p: &Primitive| p.id >= first_sphere;
     let spheres = primitives.iter().filter(|p| is_sphere(p)).count();
     let is_leaf = primitives.len() == 1 || (spheres == 0 && primitives.len() <= WIDTH);
@@ -131,8 +135,7 @@ fn partition_by_area(primitives: &mut [Primitive]) -> Option<usize> {
         }
     }
     let (_, axis, plane) = best?;
-    let is_left =
-        |p: &Primitive| bin_of(p.center[axis], centers.min[axis], extent[axis]) < plane;
+    let is_left = |p: &Primitive| bin_of(p.center[axis], centers.min[axis], extent[axis]) < plane;
     let mut middle = 0;
     for i in 0..primitives.len() {
         if is_left(&primitives[i]) {

@@ -1,5 +1,8 @@
 //! Walks the tree. One generic walk, compiled once for any processor and once for AVX2.
-#![expect(unsafe_code, reason = "calls into code compiled for a detected processor")]
+#![expect(
+    unsafe_code,
+    reason = "calls into code compiled for a detected processor"
+)]
 
 use super::Bvh;
 use super::build::MAX_DEPTH;
@@ -190,9 +193,7 @@ fn walk_occluded<V: F32x8>(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> bool {
                 }
                 false
             }
-            Child::Triangles(index) => {
-                bvh.blocks[index as usize].occludes::<V>(ray, &sheared_ray)
-            }
+            Child::Triangles(index) => bvh.blocks[index as usize].occludes::<V>(ray, &sheared_ray),
             Child::Sphere(index) => {
                 bvh.first_sphere + index != ray.exclude
                     && bvh.spheres[index as usize].intersect(ray).is_some()

@@ -3,7 +3,10 @@
 //! Kernels are written once over [`F32x8`]. [`Portable`] is plain code for any machine; [`Avx2`]
 //! is the same arithmetic in registers, and may only be used inside functions compiled for AVX2.
 //! No operation is fused, so both round alike.
-#![expect(unsafe_code, reason = "vector instructions; each block states why it is sound")]
+#![expect(
+    unsafe_code,
+    reason = "vector instructions; each block states why it is sound"
+)]
 
 /// Eight lanes of `f32`. Comparisons give a bit for each lane and are false for NaN.
 pub(super) trait F32x8: Copy {
@@ -147,7 +150,10 @@ mod avx2 {
         #[inline(always)]
         fn results<V: F32x8>(a: &[f32; 8], b: &[f32; 8]) -> ([[u32; 8]; 4], [u32; 2]) {
             let (a, b) = (V::load(a), V::load(b));
-            let bits = |v: V| v.store().map(|x| if x.is_nan() { 0x7fc0_0000 } else { x.to_bits() });
+            let bits = |v: V| {
+                v.store()
+                    .map(|x| if x.is_nan() { 0x7fc0_0000 } else { x.to_bits() })
+            };
             (
                 [a.sub(b), a.mul(b), a.min(b), a.max(b)].map(bits),
                 [a.lt(b), a.le(b)],
@@ -165,8 +171,18 @@ mod avx2 {
                 return;
             }
             let values = [
-                0.0, -0.0, 1.0, -1.5, 1e-45, -1e-38, 3.4e38, f32::INFINITY, f32::NEG_INFINITY,
-                f32::NAN, 0.1, 7.0,
+                0.0,
+                -0.0,
+                1.0,
+                -1.5,
+                1e-45,
+                -1e-38,
+                3.4e38,
+                f32::INFINITY,
+                f32::NEG_INFINITY,
+                f32::NAN,
+                0.1,
+                7.0,
             ];
             for shift in 0..values.len() {
                 let a = std::array::from_fn(|i| values[i % values.len()]);

@@ -8,7 +8,10 @@ struct Random(u64);
 
 impl Random {
     fn unit(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 40) as f32 / (1 << 24) as f32
     }
 
@@ -61,12 +64,7 @@ fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
     }
 }
 
-fn check_against_oracle(
-    triangles: &[[Vec3; 3]],
-    spheres: &[Sphere],
-    ray: &Ray,
-    hit: Option<Hit>,
-) {
+fn check_against_oracle(triangles: &[[Vec3; 3]], spheres: &[Sphere], ray: &Ray, hit: Option<Hit>) {
     const MARGIN: f64 = 1e-4;
     let mut nearest: Option<f64> = None;
     let mut certain = |t: f64| nearest = Some(nearest.map_or(t, |n: f64| n.min(t)));
@@ -96,7 +94,10 @@ fn check_against_oracle(
             if let Some(corners) = triangles.get(hit.primitive as usize) {
                 let (expected, margin) = triangle_oracle(ray, *corners).expect("not parallel");
                 assert!(margin > -MARGIN, "outside by {margin}: {ray:?}");
-                assert!((t - expected).abs() <= 1e-9 * expected, "{t} for {expected}");
+                assert!(
+                    (t - expected).abs() <= 1e-9 * expected,
+                    "{t} for {expected}"
+                );
             } else {
                 let s = spheres[hit.primitive as usize - triangles.len()];
                 assert_eq!(s.intersect(ray), Some(hit.t));
@@ -178,14 +179,24 @@ fn flat_boxes_and_rays_in_their_planes() {
 
 #[test]
 fn a_hundred_thousand_equal_triangles_give_the_lowest_number() {
-    let corners = [Vec3::new(-1.0, -1.0, -2.0), Vec3::new(1.0, -1.0, -2.0), Vec3::new(0.0, 1.0, -2.0)];
+    let corners = [
+        Vec3::new(-1.0, -1.0, -2.0),
+        Vec3::new(1.0, -1.0, -2.0),
+        Vec3::new(0.0, 1.0, -2.0),
+    ];
     let triangles = vec![corners; 100_000];
     let bvh = Bvh::new(&triangles, vec![]);
     let mut traversal = Traversal::default();
     let mut ray = Ray::new(Vec3::ZERO, Vec3::NEG_Z);
-    assert_eq!(bvh.closest(&ray, &mut traversal).map(|h| h.primitive), Some(0));
+    assert_eq!(
+        bvh.closest(&ray, &mut traversal).map(|h| h.primitive),
+        Some(0)
+    );
     ray.exclude = 0;
-    assert_eq!(bvh.closest(&ray, &mut traversal).map(|h| h.primitive), Some(1));
+    assert_eq!(
+        bvh.closest(&ray, &mut traversal).map(|h| h.primitive),
+        Some(1)
+    );
 }
 
 #[test]
@@ -209,7 +220,14 @@ fn one_huge_among_many_tiny() {
 #[test]
 fn no_ray_escapes_a_closed_mesh_through_its_edges() {
     let (vertices, faces) = icosphere(2);
-    for (scale, shift) in [(1.0, 0.0), (1e-3, 0.0), (1e-6, 0.0), (1e6, 0.0), (1.0, 1e4), (1.0, 1e6)] {
+    for (scale, shift) in [
+        (1.0, 0.0),
+        (1e-3, 0.0),
+        (1e-6, 0.0),
+        (1e6, 0.0),
+        (1.0, 1e4),
+        (1.0, 1e6),
+    ] {
         let place = |v: DVec3| (v * scale + DVec3::splat(shift)).as_vec3();
         let triangles: Vec<[Vec3; 3]> = faces
             .iter()
@@ -228,7 +246,10 @@ fn no_ray_escapes_a_closed_mesh_through_its_edges() {
                 };
                 let origin = place(random.vector(0.3).as_dvec3());
                 let ray = Ray::new(origin, target - origin);
-                assert!(bvh.closest(&ray, &mut traversal).is_some(), "{scale} {shift} {ray:?}");
+                assert!(
+                    bvh.closest(&ray, &mut traversal).is_some(),
+                    "{scale} {shift} {ray:?}"
+                );
             }
         }
     }
@@ -238,7 +259,11 @@ fn icosphere(levels: usize) -> (Vec<DVec3>, Vec<[usize; 3]>) {
     let phi = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let mut vertices = Vec::new();
     for (a, b) in [(1.0, phi), (-1.0, phi), (1.0, -phi), (-1.0, -phi)] {
-        vertices.extend([DVec3::new(0.0, a, b), DVec3::new(a, b, 0.0), DVec3::new(b, 0.0, a)]);
+        vertices.extend([
+            DVec3::new(0.0, a, b),
+            DVec3::new(a, b, 0.0),
+            DVec3::new(b, 0.0, a),
+        ]);
     }
     let mut faces = Vec::new();
     for i in 0..12 {

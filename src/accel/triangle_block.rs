@@ -143,7 +143,11 @@ impl ShearedRay {
     fn shear<V: F32x8>(&self, points: &[[f32; WIDTH]; 3]) -> (V, V, V) {
         // Spelled out: code in closures would not be compiled for the vector instructions.
         let [kx, ky, kz] = self.axes;
-        let (x, y, z) = (V::load(&points[kx]), V::load(&points[ky]), V::load(&points[kz]));
+        let (x, y, z) = (
+            V::load(&points[kx]),
+            V::load(&points[ky]),
+            V::load(&points[kz]),
+        );
         let [ox, oy, oz] = self.origin;
         let (ox, oy, oz) = (V::splat(ox), V::splat(oy), V::splat(oz));
         let (sx, sy) = (V::splat(self.slopes[0]), V::splat(self.slopes[1]));

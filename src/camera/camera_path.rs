@@ -109,7 +109,8 @@ impl CameraPath {
             log_half_heights: Track::new(
                 interpolation,
                 &times,
-                keys.iter().map(|k| libm::log(libm::tan(0.5 * k.field_of_view))),
+                keys.iter()
+                    .map(|k| libm::log(libm::tan(0.5 * k.field_of_view))),
             ),
         };
         for frame in 0..timeline.frame_count() {
@@ -125,7 +126,8 @@ impl CameraPath {
 
     /// The camera of a frame, below the timeline's frame count.
     pub fn camera(&self, frame: u32) -> Camera {
-        self.try_camera(frame).expect("every frame was checked when the path was made")
+        self.try_camera(frame)
+            .expect("every frame was checked when the path was made")
     }
 
     fn try_camera(&self, frame: u32) -> Result<Camera, PathError> {
@@ -170,7 +172,9 @@ impl Aim {
                 }
             };
             // Of the two quaternions of a rotation the one nearer to the last: the short way.
-            let flip = rotations.last().is_some_and(|last| last.dot(rotation) < 0.0);
+            let flip = rotations
+                .last()
+                .is_some_and(|last| last.dot(rotation) < 0.0);
             rotations.push(if flip { -rotation } else { rotation });
         }
         Ok(Aim::Rotations(times.to_vec(), rotations))
@@ -273,8 +277,13 @@ mod tests {
             let q = DQuat::from_rotation_y(degrees.to_radians());
             Orientation::Rotation(if degrees > 180.0 { -q } else { q })
         };
-        let keys = [key(0.0, DVec3::ZERO, aim(10.0)), key(1.0, DVec3::ZERO, aim(350.0))];
-        let camera = path(Interpolation::CatmullRom, &keys).expect("two keys").camera(5);
+        let keys = [
+            key(0.0, DVec3::ZERO, aim(10.0)),
+            key(1.0, DVec3::ZERO, aim(350.0)),
+        ];
+        let camera = path(Interpolation::CatmullRom, &keys)
+            .expect("two keys")
+            .camera(5);
         assert!((camera.rotation * DVec3::NEG_Z - DVec3::NEG_Z).length() < 1e-12);
     }
 
@@ -289,7 +298,11 @@ mod tests {
             let path = path(interpolation, &[zoomed(0.0, 60.0), zoomed(10.0, 6.0)]).expect("keys");
             let sizes: Vec<f64> = (0..=100).map(|f| path.camera(f).half_height).collect();
             let first = sizes[1] / sizes[0];
-            assert!(sizes.windows(2).all(|s| (s[1] / s[0] - first).abs() < 1e-12));
+            assert!(
+                sizes
+                    .windows(2)
+                    .all(|s| (s[1] / s[0] - first).abs() < 1e-12)
+            );
         }
     }
 
@@ -317,12 +330,21 @@ mod tests {
         );
         // Passes through its target half way.
         assert_eq!(
-            refusal(&[at(0.0, DVec3::X, DVec3::ZERO), at(1.0, DVec3::NEG_X, DVec3::ZERO)]),
-            Some(PathError::LooksAtItself { frame: 5, time: 0.5 })
+            refusal(&[
+                at(0.0, DVec3::X, DVec3::ZERO),
+                at(1.0, DVec3::NEG_X, DVec3::ZERO)
+            ]),
+            Some(PathError::LooksAtItself {
+                frame: 5,
+                time: 0.5
+            })
         );
         assert_eq!(
             refusal(&[at(0.0, DVec3::Y, DVec3::ZERO)]),
-            Some(PathError::LooksVertically { frame: 0, time: 0.0 })
+            Some(PathError::LooksVertically {
+                frame: 0,
+                time: 0.0
+            })
         );
     }
 }

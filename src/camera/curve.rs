@@ -95,8 +95,7 @@ impl<T: Value> SmoothCurve<T> {
 }
 
 /// Derivatives at the keys: of the parabola through a key and its neighbours, which is what
-/// Catmull-Rom's construction gives for uneven knots; at the ends, and beside a key that repeats,
-/// of the chord.
+/// Catmull-Rom's construction gives for uneven knots; at the ends of the chord.
 fn tangents<T: Value>(points: &[T], chords: &[f64], slopes: &[T]) -> Vec<T> {
     let zero = points[0] * 0.0;
     (0..points.len())
@@ -104,12 +103,12 @@ fn tangents<T: Value>(points: &[T], chords: &[f64], slopes: &[T]) -> Vec<T> {
             let before = i.checked_sub(1).map(|k| (chords[k], slopes[k]));
             let after = slopes.get(i).map(|&slope| (chords[i], slope));
             match (before, after) {
-                // A camera that rests on one side of a key stops there.
-                (Some((h, _)), _) | (_, Some((h, _))) if h == 0.0 => zero,
-                (_, Some((h, _))) if h == 0.0 => zero,
-                (Some((h0, d0)), Some((h1, d1))) => (d0 * h1 + d1 * h0) * (1.0 / (h0 + h1)),
+                (Some((h0, d0)), Some((h1, d1))) if h0 > 0.0 && h1 > 0.0 => {
+                    (d0 * h1 + d1 * h0) * (1.0 / (h0 + h1))
+                }
                 (Some((_, d)), None) | (None, Some((_, d))) => d,
-                (None, None) => zero,
+                // A camera that rests on one side of a key stops there.
+                _ => zero,
             }
         })
         .collect()
@@ -119,7 +118,11 @@ fn tangents<T: Value>(points: &[T], chords: &[f64], slopes: &[T]) -> Vec<T> {
 /// Butland 1984's weighted harmonic mean, one-sided at the ends.
 fn monotone_slopes(x: &[f64], y: &[f64]) -> Vec<f64> {
     let h: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
-    let d: Vec<f64> = y.windows(2).zip(&h).map(|(w, h)| (w[1] - w[0]) / h).collect();
+    let d: Vec<f64> = y
+        .windows(2)
+        .zip(&h)
+        .map(|(w, h)| (w[1] - w[0]) / h)
+        .collect();
     (0..x.len())
         .map(|i| match (i.checked_sub(1), i < d.len()) {
             (Some(k), true) if d[k] == 0.0 || d[i] == 0.0 => 0.0 * d[k],
@@ -171,7 +174,12 @@ mod tests {
 
     fn uneven() -> SmoothCurve<DVec3> {
         let points = [
-            (0.0, 0.0), (0.4, 0.1), (5.0, 0.5), (5.2, 2.0), (4.0, 2.5), (0.0, 3.0),
+            (0.0, 0.0),
+            (0.4, 0.1),
+            (5.0, 0.5),
+            (5.2, 2.0),
+            (4.0, 2.5),
+            (0.0, 3.0),
         ];
         SmoothCurve::new(
             vec![0.0, 1.0, 1.5, 4.0, 4.1, 7.0],

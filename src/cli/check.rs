@@ -24,17 +24,31 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     let bounds = scene.bounds();
     if scene.triangle_count() + scene.sphere_count() > 0 {
         let corner = |p: glam::Vec3| rounded(scene.origin + p.as_dvec3());
-        println!("bounds     {} to {}", corner(bounds.min), corner(bounds.max));
+        println!(
+            "bounds     {} to {}",
+            corner(bounds.min),
+            corner(bounds.max)
+        );
     }
-    println!("memory     {:.1} MiB", scene.memory() as f64 / f64::from(1 << 20));
+    println!(
+        "memory     {:.1} MiB",
+        scene.memory() as f64 / f64::from(1 << 20)
+    );
     let timeline = path.path.timeline();
     let frames = timeline.frame_count();
     println!("path       {}", arguments.path.display());
     println!("frames     {frames} at {} per second", timeline.fps);
     println!("duration   {} s", timeline.end - timeline.start);
     let (first, last) = (path.path.camera(0), path.path.camera(frames - 1));
-    println!("camera     {} to {}", rounded(first.position), rounded(last.position));
-    println!("mode       {}", settings.mode.unwrap_or(crate::input::Mode::Raytracing));
+    println!(
+        "camera     {} to {}",
+        rounded(first.position),
+        rounded(last.position)
+    );
+    println!(
+        "mode       {}",
+        settings.mode.unwrap_or(crate::input::Mode::Raytracing)
+    );
     println!("size       {}x{}", resolved.width, resolved.height);
     warn(&input.warnings);
     let warnings = input.warnings.len();

@@ -10,8 +10,9 @@ impl FromStr for FrameRanges {
 
     fn from_str(text: &str) -> Result<FrameRanges, String> {
         let ranges = text.split(',').map(|part| {
-            parse_range(part.trim())
-                .ok_or_else(|| format!("\"{part}\" is not a frame or range as in 7, 0-99 or 0-99:2"))
+            parse_range(part.trim()).ok_or_else(|| {
+                format!("\"{part}\" is not a frame or range as in 7, 0-99 or 0-99:2")
+            })
         });
         ranges.collect::<Result<_, _>>().map(FrameRanges)
     }
@@ -54,7 +55,9 @@ mod tests {
     use super::*;
 
     fn frames(text: &str, count: u32) -> Result<Vec<u32>, u32> {
-        text.parse::<FrameRanges>().expect("well formed").resolve(count)
+        text.parse::<FrameRanges>()
+            .expect("well formed")
+            .resolve(count)
     }
 
     #[test]

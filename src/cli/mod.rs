@@ -1,5 +1,9 @@
 //! The command line: what the user types, turned into work, progress and an exit status.
-#![expect(clippy::print_stdout, clippy::print_stderr, reason = "talking to the user is its job")]
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "talking to the user is its job"
+)]
 
 mod args;
 mod check;

@@ -66,7 +66,8 @@ impl Observer for SequenceProgress {
     fn frame_done(&self, frame: u32, failure: Option<&SinkError>) {
         self.frames_done.fetch_add(1, Ordering::Relaxed);
         if let Some(error) = failure {
-            self.bar.suspend(|| eprintln!("frame {frame} failed: {error}"));
+            self.bar
+                .suspend(|| eprintln!("frame {frame} failed: {error}"));
         }
         self.update();
     }
@@ -86,7 +87,12 @@ pub(super) fn rays_per_second(rays: u64, elapsed: Duration) -> String {
 /// A duration as h:mm:ss.
 pub(super) fn clock(duration: Duration) -> String {
     let seconds = duration.as_secs_f64().round() as u64;
-    format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
+    format!(
+        "{}:{:02}:{:02}",
+        seconds / 3600,
+        seconds / 60 % 60,
+        seconds % 60
+    )
 }
 
 #[cfg(test)]

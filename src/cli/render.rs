@@ -22,11 +22,17 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     let frames = match &arguments.frames {
         None => (0..count).collect(),
         Some(ranges) => ranges.resolve(count).map_err(|frame| {
-            format!("--frames: there is no frame {frame}; the path has 0-{}", count - 1)
+            format!(
+                "--frames: there is no frame {frame}; the path has 0-{}",
+                count - 1
+            )
         })?,
     };
     let format = FrameFormat::from(arguments.format);
-    let decisive = format!("{settings:?} {exposure} {format:?} {}", env!("CARGO_PKG_VERSION"));
+    let decisive = format!(
+        "{settings:?} {exposure} {format:?} {}",
+        env!("CARGO_PKG_VERSION")
+    );
     let mut fingerprint = blake3::Hasher::new();
     fingerprint.update(files.fingerprint().as_bytes());
     fingerprint.update(decisive.as_bytes());
@@ -48,13 +54,22 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
         Some(threads) => threads.get(),
         None => std::thread::available_parallelism()?.get(),
     };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()?;
 
     let progress =
         SequenceProgress::new(missing.len() as u64, tile_count(&settings), arguments.quiet);
     let start = Instant::now();
-    let outcome =
-        render_sequence(&scene.scene, &path.path, &settings, &missing, &pool, &folder, &progress);
+    let outcome = render_sequence(
+        &scene.scene,
+        &path.path,
+        &settings,
+        &missing,
+        &pool,
+        &folder,
+        &progress,
+    );
     progress.finish();
     let elapsed = start.elapsed();
 

@@ -21,7 +21,11 @@ pub type Corners = [u32; 3];
 impl Mesh {
     /// The positions of three corners.
     pub fn triangle(&self, [a, b, c]: Corners) -> [Vec3; 3] {
-        [self.positions[a as usize], self.positions[b as usize], self.positions[c as usize]]
+        [
+            self.positions[a as usize],
+            self.positions[b as usize],
+            self.positions[c as usize],
+        ]
     }
 
     /// The unit normal of a triangle's winding (counter-clockwise seen from its side), or none for
@@ -97,7 +101,13 @@ mod tests {
     #[test]
     fn tiny_triangles_have_a_normal_and_flat_ones_have_none() {
         let mesh = Mesh {
-            positions: vec![Vec3::ZERO, Vec3::X, Vec3::X * 2.0, Vec3::X * 1e-30, Vec3::Y * 1e-30],
+            positions: vec![
+                Vec3::ZERO,
+                Vec3::X,
+                Vec3::X * 2.0,
+                Vec3::X * 1e-30,
+                Vec3::Y * 1e-30,
+            ],
             ..Mesh::default()
         };
         assert_eq!(mesh.geometric_normal([0, 1, 2]), None);

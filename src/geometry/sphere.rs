@@ -30,11 +30,7 @@ impl Sphere {
         let root = (a * discriminant).sqrt();
         let q = -half_b - root.copysign(half_b);
         let c = (from_center.length() - self.radius) * (from_center.length() + self.radius);
-        let (t0, t1) = if q == 0.0 {
-            (0.0, 0.0)
-        } else {
-            (c / q, q / a)
-        };
+        let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
         [t0.min(t1), t0.max(t1)]
             .into_iter()
             .find(|&t| t > 0.0 && t < f64::from(ray.t_max))

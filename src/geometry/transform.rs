@@ -45,7 +45,11 @@ mod tests {
     #[test]
     fn scales_then_rotates_about_x_then_y_then_z_then_translates() {
         let quarter = DVec3::splat(FRAC_PI_2);
-        let t = Transform::new(DVec3::new(2.0, 3.0, 4.0), quarter, DVec3::new(10.0, 0.0, 0.0));
+        let t = Transform::new(
+            DVec3::new(2.0, 3.0, 4.0),
+            quarter,
+            DVec3::new(10.0, 0.0, 0.0),
+        );
         // Y scaled: (0,3,0); about X: (0,0,3); about Y: (3,0,0); about Z: (0,3,0).
         let p = t.point(DVec3::Y);
         assert!((p - DVec3::new(10.0, 3.0, 0.0)).length() < 1e-12, "{p}");
@@ -56,7 +60,11 @@ mod tests {
 
     #[test]
     fn normals_stay_perpendicular_to_scaled_surfaces() {
-        let t = Transform::new(DVec3::new(1.0, 5.0, -0.1), DVec3::new(0.3, 1.0, -2.0), DVec3::ONE);
+        let t = Transform::new(
+            DVec3::new(1.0, 5.0, -0.1),
+            DVec3::new(0.3, 1.0, -2.0),
+            DVec3::ONE,
+        );
         let (a, b) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(-2.0, 0.5, 1.0));
         let n = t.normal(a.cross(b));
         for edge in [a, b] {

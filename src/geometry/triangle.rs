@@ -46,7 +46,10 @@ mod tests {
             let point = DVec3::new(1.0 + 4.0 * u, 2.0 * v, 0.0);
             assert_eq!(barycentric(point, CORNERS), (u, v));
         }
-        assert_eq!(barycentric(DVec3::new(0.999, -0.001, 0.0), CORNERS), (0.0, 0.0));
+        assert_eq!(
+            barycentric(DVec3::new(0.999, -0.001, 0.0), CORNERS),
+            (0.0, 0.0)
+        );
     }
 
     #[test]

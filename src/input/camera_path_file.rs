@@ -109,7 +109,7 @@ fn keyframe(check: Checker, index: usize, key: &KeyframeFile) -> Result<Keyframe
         return check.refuse(&name("fov"), message);
     }
     let time = key.time;
-    if !(time.abs() <= 1e9) {
+    if time.is_nan() || time.abs() > 1e9 {
         return check.refuse(&name("time"), format!("{time} is not a time in seconds"));
     }
     Ok(Keyframe {

@@ -45,7 +45,10 @@ impl Checker<'_> {
         if value > 0.0 && value <= LARGEST {
             return Ok(value);
         }
-        self.refuse(key, format!("{value} is not a number above 0 and up to {LARGEST:e}"))
+        self.refuse(
+            key,
+            format!("{value} is not a number above 0 and up to {LARGEST:e}"),
+        )
     }
 
     /// A point, direction or set of angles.
@@ -67,7 +70,11 @@ impl Checker<'_> {
         if color.is_finite() && color.min_element() >= 0.0 && color.max_element() <= most {
             return Ok(color.as_vec3());
         }
-        let most = if most == 1.0 { "1".to_owned() } else { format!("{most:e}") };
+        let most = if most == 1.0 {
+            "1".to_owned()
+        } else {
+            format!("{most:e}")
+        };
         self.refuse(
             key,
             format!("({r}, {g}, {b}): every channel must lie between 0 and {most}"),

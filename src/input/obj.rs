@@ -122,7 +122,10 @@ pub(super) fn load(
 }
 
 type Libraries = Vec<(PathBuf, Vec<String>)>;
-type Library = (Vec<tobj::Material>, std::collections::HashMap<String, usize>);
+type Library = (
+    Vec<tobj::Material>,
+    std::collections::HashMap<String, usize>,
+);
 
 fn load_library(
     file: &Path,
@@ -159,7 +162,11 @@ fn part(
         .map(|uv| DVec2::from_array(*uv).as_vec2())
         .collect();
     for (what, count, clear) in [
-        ("normals", normals.len(), &mut (|| normals.clear()) as &mut dyn FnMut()),
+        (
+            "normals",
+            normals.len(),
+            &mut (|| normals.clear()) as &mut dyn FnMut(),
+        ),
         ("texture coordinates", uvs.len(), &mut || uvs.clear()),
     ] {
         if count != 0 && count != positions.len() {
@@ -220,7 +227,11 @@ fn resolve(
         ("map_Ks", material.specular_texture.is_some()),
         ("map_Bump", material.normal_texture.is_some()),
     ];
-    let ignored: Vec<&str> = ignored.iter().filter(|(_, is)| *is).map(|(name, _)| *name).collect();
+    let ignored: Vec<&str> = ignored
+        .iter()
+        .filter(|(_, is)| *is)
+        .map(|(name, _)| *name)
+        .collect();
     if !ignored.is_empty() {
         let names = ignored.join(", ");
         warnings.push(format!("{}: {} not used", library.display(), key(&names)));
@@ -244,7 +255,11 @@ fn resolve(
             Some(0 | 1) => Vec3::ZERO,
             _ => specular,
         },
-        shininess: if shininess.is_finite() { shininess.max(0.0) as f32 } else { 0.0 },
+        shininess: if shininess.is_finite() {
+            shininess.max(0.0) as f32
+        } else {
+            0.0
+        },
         reflective: match illumination {
             Some(3 | 5) => specular,
             _ => Vec3::ZERO,
@@ -291,7 +306,9 @@ impl<'a> Lines<'a> {
 
 /// The form of a face by its first corner; none for other lines.
 fn face_form(line: &[u8]) -> Option<FaceForm> {
-    let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+    let mut words = line
+        .split(u8::is_ascii_whitespace)
+        .filter(|word| !word.is_empty());
     if words.next()? != b"f" {
         return None;
     }
@@ -334,7 +351,12 @@ mod tests {
     use super::*;
 
     fn load_text(text: &str) -> Result<ObjModel, InputError> {
-        load(Path::new("x.obj"), text.as_bytes(), true, &mut InputFiles::default())
+        load(
+            Path::new("x.obj"),
+            text.as_bytes(),
+            true,
+            &mut InputFiles::default(),
+        )
     }
 
     #[test]
@@ -356,10 +378,16 @@ mod tests {
     #[test]
     fn the_line_of_a_fault() {
         let error = load_text("v 0 0 0\nv 1 0 0\n\nv 1 x 0\nf 1 2 3\n").map(|_| ());
-        assert_eq!(error.map_err(|e| e.to_string()), Err("x.obj:4: position parse error".into()));
+        assert_eq!(
+            error.map_err(|e| e.to_string()),
+            Err("x.obj:4: position parse error".into())
+        );
         let error = load_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 9\n").map(|_| ());
         let message = error.map_err(|e| e.to_string());
-        assert_eq!(message, Err("x.obj:4: face vertex index out of bounds".into()));
+        assert_eq!(
+            message,
+            Err("x.obj:4: face vertex index out of bounds".into())
+        );
     }
 
     #[test]
@@ -376,11 +404,13 @@ mod tests {
              f 1//1 2//1 3//1\nf 1 2 3 9\n",
         );
         assert!(model.is_err_and(|e| e.to_string().starts_with("x.obj:9: ")));
-        let model = load_text(
-            "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 1 2 3\nf 3 2 1\n",
-        )
-        .expect("two groups");
-        let counts = model.parts.iter().map(|p| (p.triangles.len(), p.normals.len()));
+        let model =
+            load_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 1 2 3\nf 3 2 1\n")
+                .expect("two groups");
+        let counts = model
+            .parts
+            .iter()
+            .map(|p| (p.triangles.len(), p.normals.len()));
         assert_eq!(counts.collect::<Vec<_>>(), [(1, 3), (2, 0)]);
     }
 
@@ -395,7 +425,9 @@ mod tests {
         let model = load(&file, obj.as_bytes(), true, &mut InputFiles::default()).expect("loads");
         let used: Vec<_> = model.parts.iter().map(|p| p.material).collect();
         assert_eq!(used, [Some(1), Some(0)]);
-        let [a, b] = &model.materials[..] else { panic!("two materials") };
+        let [a, b] = &model.materials[..] else {
+            panic!("two materials")
+        };
         assert_eq!((a.diffuse, a.shininess), (Vec3::new(0.5, 0.25, 0.0), 20.0));
         assert_eq!((a.specular, a.reflective), (Vec3::ONE, Vec3::ZERO));
         let texture = a.texture.as_ref().map(|t| t.file.clone());

@@ -11,12 +11,14 @@ use std::path::Path;
 pub(super) fn parse<T: DeserializeOwned>(file: &Path, bytes: &[u8]) -> Result<T, InputError> {
     let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES;
     let options = ron::Options::default().with_default_extension(extensions);
-    options.from_bytes(bytes).map_err(|error| InputError::Syntax {
-        file: file.to_owned(),
-        line: error.span.start.line,
-        column: error.span.start.col,
-        message: error.code.to_string(),
-    })
+    options
+        .from_bytes(bytes)
+        .map_err(|error| InputError::Syntax {
+            file: file.to_owned(),
+            line: error.span.start.line,
+            column: error.span.start.col,
+            message: error.code.to_string(),
+        })
 }
 
 /// Deserialises a map in which no key may stand twice.
@@ -57,7 +59,10 @@ where
     T: Deserialize<'de>,
 {
     <[T; 3]>::try_from(Vec::deserialize(deserializer)?).map_err(|list: Vec<T>| {
-        D::Error::custom(format!("a triangle's list has 3 entries, not {}", list.len()))
+        D::Error::custom(format!(
+            "a triangle's list has 3 entries, not {}",
+            list.len()
+        ))
     })
 }
 

@@ -236,7 +236,11 @@ impl Loader<'_> {
             }
             None => None,
         };
-        let default = if texture.is_some() { one() } else { Triple::default() };
+        let default = if texture.is_some() {
+            one()
+        } else {
+            Triple::default()
+        };
         let check = self.check;
         let material = Material {
             diffuse: check.color(&key("diffuse"), material.diffuse.unwrap_or(default), 1.0)?,
@@ -265,7 +269,8 @@ impl Loader<'_> {
             true => "`materials` is empty".to_owned(),
             false => format!("`materials` has: {}", names.join(", ")),
         };
-        self.check.refuse(key, format!("no material is called \"{name}\"; {there}"))
+        self.check
+            .refuse(key, format!("no material is called \"{name}\"; {there}"))
     }
 
     fn texture(&mut self, file: PathBuf, from: PathBuf, key: &str) -> Result<usize, InputError> {
@@ -287,7 +292,9 @@ impl Loader<'_> {
     fn add_light(&mut self, index: usize, light: &LightFile) -> Result<(), InputError> {
         let key = |field: &str| format!("lights[{index}].{field}");
         let position = self.check.vector(&key("position"), light.position)?;
-        let intensity = self.check.color(&key("intensity"), light.intensity, BRIGHTEST)?;
+        let intensity = self
+            .check
+            .color(&key("intensity"), light.intensity, BRIGHTEST)?;
         let falloff = match light.falloff {
             FalloffFile::InverseSquare => Falloff::InverseSquare,
             FalloffFile::Constant => Falloff::Constant,
@@ -311,7 +318,9 @@ impl Loader<'_> {
         let field = |name: &str| format!("{key}.{name}");
         let scale = self.check.vector(&field("scale"), scale)?;
         if scale.abs().min_element() < 1e-15 {
-            return self.check.refuse(&field("scale"), format!("{scale}: no factor may be 0"));
+            return self
+                .check
+                .refuse(&field("scale"), format!("{scale}: no factor may be 0"));
         }
         let degrees = self.check.vector(&field("rotation"), rotation)?;
         let translation = self.check.vector(&field("translation"), translation)?;
@@ -332,7 +341,9 @@ impl Loader<'_> {
             ));
         }
         let center = self.check.vector(&format!("{key}.center"), sphere.center)?;
-        let radius = self.check.positive(&format!("{key}.radius"), sphere.radius)?;
+        let radius = self
+            .check
+            .positive(&format!("{key}.radius"), sphere.radius)?;
         let material = self.material(&format!("{key}.material"), &sphere.material)?;
         let sphere = Sphere {
             center: transform.point(center),
@@ -348,7 +359,9 @@ impl Loader<'_> {
             self.transform(key, triangle.scale, triangle.rotation, triangle.translation)?;
         let mut positions = Vec::new();
         for (i, vertex) in triangle.vertices.iter().enumerate() {
-            let vertex = self.check.vector(&format!("{key}.vertices[{i}]"), *vertex)?;
+            let vertex = self
+                .check
+                .vector(&format!("{key}.vertices[{i}]"), *vertex)?;
             positions.push(transform.point(vertex));
         }
         let mut uvs = Vec::new();
@@ -411,7 +424,11 @@ impl Loader<'_> {
             }
             self.builder.meshes.push(SourceMesh {
                 positions: part.positions.iter().map(|&p| transform.point(p)).collect(),
-                normals: part.normals.iter().map(|&n| transform.normal(n).as_vec3()).collect(),
+                normals: part
+                    .normals
+                    .iter()
+                    .map(|&n| transform.normal(n).as_vec3())
+                    .collect(),
                 uvs: part.uvs.clone(),
                 triangles: part.triangles.clone(),
                 material: MeshMaterial::Uniform(material),
@@ -431,7 +448,9 @@ impl Loader<'_> {
         if let Some(loaded) = self.models.get(&id) {
             return Ok(loaded.clone());
         }
-        let bytes = self.files.read_reference(&file, self.file, &format!("{key}.file"))?;
+        let bytes = self
+            .files
+            .read_reference(&file, self.file, &format!("{key}.file"))?;
         let mut model = obj::load(&file, &bytes, with_materials, self.files)?;
         self.warnings.append(&mut model.warnings);
         let mut resolved = Vec::new();

@@ -122,7 +122,7 @@ impl Settings {
             within("splits", split, 1, 1 << 20)?;
         }
         if let Some(exposure) = self.exposure
-            && !(exposure.abs() <= 64.0)
+            && (exposure.is_nan() || exposure.abs() > 64.0)
         {
             let message = format!("{exposure} stops are not between -64 and 64");
             return Err(SettingsError {
@@ -171,7 +171,11 @@ mod tests {
             assert_eq!(name.parse(), Ok(mode));
             assert_eq!(mode.to_string(), name);
         }
-        assert!("Raytracing".parse::<Mode>().is_err_and(|e| e.contains("montecarlo")));
+        assert!(
+            "Raytracing"
+                .parse::<Mode>()
+                .is_err_and(|e| e.contains("montecarlo"))
+        );
     }
 
     #[test]
@@ -189,7 +193,10 @@ mod tests {
         let resolved = flags.or(file).resolve();
         assert_eq!(resolved.sampling, PixelSampling::Spread(4));
         let splits = vec![32, 1, 1, 1];
-        assert_eq!(resolved.integrator, Integrator::MonteCarlo { bounces: 2, splits });
+        assert_eq!(
+            resolved.integrator,
+            Integrator::MonteCarlo { bounces: 2, splits }
+        );
         assert_eq!((resolved.width, resolved.height), (1280, 720));
     }
 
@@ -198,10 +205,34 @@ mod tests {
         let refused = |settings: Settings| settings.check().err().map(|e| e.key);
         let none = Settings::default();
         assert_eq!(refused(none.clone()), None);
-        assert_eq!(refused(Settings { size: Some((0, 9)), ..none.clone() }), Some("size"));
-        assert_eq!(refused(Settings { samples: Some(0), ..none.clone() }), Some("samples"));
-        assert_eq!(refused(Settings { bounces: Some(65), ..none.clone() }), Some("bounces"));
-        assert_eq!(refused(Settings { splits: Some(vec![1, 0]), ..none.clone() }), Some("splits"));
+        assert_eq!(
+            refused(Settings {
+                size: Some((0, 9)),
+                ..none.clone()
+            }),
+            Some("size")
+        );
+        assert_eq!(
+            refused(Settings {
+                samples: Some(0),
+                ..none.clone()
+            }),
+            Some("samples")
+        );
+        assert_eq!(
+            refused(Settings {
+                bounces: Some(65),
+                ..none.clone()
+            }),
+            Some("bounces")
+        );
+        assert_eq!(
+            refused(Settings {
+                splits: Some(vec![1, 0]),
+                ..none.clone()
+            }),
+            Some("splits")
+        );
         let exposure = Some(f32::NAN);
         assert_eq!(refused(Settings { exposure, ..none }), Some("exposure"));
     }

@@ -27,9 +27,9 @@ pub(super) fn decode(
     let (width, height) = (rgb.width() as usize, rgb.height() as usize);
     let texels = rgb.into_raw().as_chunks().0.to_vec();
     let texture = Texture::new(width, height, texels).ok_or_else(|| {
-        refuse(image::ImageError::Limits(image::error::LimitError::from_kind(
-            image::error::LimitErrorKind::DimensionError,
-        )))
+        refuse(image::ImageError::Limits(
+            image::error::LimitError::from_kind(image::error::LimitErrorKind::DimensionError),
+        ))
     })?;
     Ok((texture, notice))
 }

@@ -22,7 +22,9 @@ pub(super) fn direct(
         let distance = distance_squared.sqrt();
         let direction = to_light / distance;
         let reflected =
-            surface.reflectance.reflect_light(surface.shading_normal, direction, viewer);
+            surface
+                .reflectance
+                .reflect_light(surface.shading_normal, direction, viewer);
         let contribution = reflected * light.color_at(distance_squared);
         if contribution == Vec3::ZERO {
             continue;

@@ -114,7 +114,15 @@ impl Estimator<'_> {
                 && self.sequence.sample_1d(next.index, next.depth) < mirror_chance
             {
                 let weight = mirror / mirror_chance;
-                sum += self.follow_mirror(ray, surface, weight, Path { index: next.index, ..path });
+                sum += self.follow_mirror(
+                    ray,
+                    surface,
+                    weight,
+                    Path {
+                        index: next.index,
+                        ..path
+                    },
+                );
                 continue;
             }
             let [u, v] = self.sequence.sample_2d(next.index, next.depth);

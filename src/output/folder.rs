@@ -1,5 +1,6 @@
 use super::format::FrameFormat;
-use crate::render::{FrameSink, RenderedFrame, SinkError};
+use crate::film::Film;
+use crate::render::{FrameSink, SinkError};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write};
@@ -80,7 +81,11 @@ impl FrameFolder {
             exposure,
         };
         let there = fs::read_to_string(folder.join(INFO_FILE)).ok();
-        let same = there.as_deref().and_then(|text| ron::from_str(text).ok()).as_ref() == Some(info);
+        let same = there
+            .as_deref()
+            .and_then(|text| ron::from_str(text).ok())
+            .as_ref()
+            == Some(info);
         if !same {
             if !force && frames.holds_frames().map_err(unwritable)? {
                 return Err(FolderError::OtherFrames {
@@ -117,13 +122,16 @@ impl FrameFolder {
 }
 
 impl FrameSink for FrameFolder {
-    fn keep(&self, frame: u32, mut rendered: RenderedFrame) -> Result<(), SinkError> {
+    fn encode(&self, mut film: Film) -> Result<Vec<u8>, SinkError> {
         if self.format != FrameFormat::Exr {
-            rendered.film.expose(self.exposure);
+            film.expose(self.exposure);
         }
-        let bytes = self.format.encode(&rendered.film)?;
+        Ok(self.format.encode(&film)?)
+    }
+
+    fn keep(&self, frame: u32, bytes: &[u8]) -> Result<(), SinkError> {
         let file = self.file_of(frame);
-        write_whole(&file, &bytes).map_err(|error| format!("{}: {error}", file.display()))?;
+        write_whole(&file, bytes).map_err(|error| format!("{}: {error}", file.display()))?;
         Ok(())
     }
 }
@@ -149,7 +157,6 @@ fn write_whole(file: &Path, bytes: &[u8]) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Film;
 
     fn info(fingerprint: &str) -> SequenceInfo {
         SequenceInfo {
@@ -166,36 +173,39 @@ mod tests {
         FrameFolder::open(folder, FrameFormat::Png, 0.0, &info(fingerprint), force)
     }
 
-    fn rendered() -> RenderedFrame {
-        RenderedFrame {
-            film: Film::new(4, 2),
-            rays: 0,
-            non_finite_samples: 0,
-        }
-    }
-
     #[test]
     fn frames_are_numbered_and_nothing_else_is_left() {
         let root = tempfile::tempdir().expect("a folder");
         let folder = root.path().join("deep/er");
         let frames = open(&folder, "a", false).expect("new");
         assert!(!frames.has(7));
-        frames.keep(7, rendered()).expect("kept");
-        frames.keep(123_456, rendered()).expect("kept");
+        frames.keep(7, b"frame").expect("kept");
+        frames.keep(123_456, b"frame").expect("kept");
         assert!(frames.has(7));
-        let entries = fs::read_dir(&folder).expect("there").map(|e| e.expect("entry").file_name());
+        let entries = fs::read_dir(&folder)
+            .expect("there")
+            .map(|e| e.expect("entry").file_name());
         let mut names: Vec<_> = entries.collect();
         names.sort();
-        assert_eq!(names, ["frame_00007.png", "frame_123456.png", "sequence.ron"]);
+        assert_eq!(
+            names,
+            ["frame_00007.png", "frame_123456.png", "sequence.ron"]
+        );
     }
 
     #[test]
     fn refuses_frames_of_something_else_unless_forced() {
         let root = tempfile::tempdir().expect("a folder");
         open(root.path(), "a", false).expect("new");
-        open(root.path(), "b", false).expect("no frames yet").keep(0, rendered()).expect("kept");
+        open(root.path(), "b", false)
+            .expect("no frames yet")
+            .keep(0, b"frame")
+            .expect("kept");
         open(root.path(), "b", false).expect("the same again");
-        assert!(matches!(open(root.path(), "c", false), Err(FolderError::OtherFrames { .. })));
+        assert!(matches!(
+            open(root.path(), "c", false),
+            Err(FolderError::OtherFrames { .. })
+        ));
         open(root.path(), "c", true).expect("forced");
         open(root.path(), "c", false).expect("now its own");
     }
@@ -205,7 +215,10 @@ mod tests {
         let root = tempfile::tempdir().expect("a folder");
         let frames = open(root.path(), "a", false).expect("new");
         fs::create_dir(root.path().join("frame_00001.png")).expect("made");
-        let error = frames.keep(1, rendered()).expect_err("in the way").to_string();
+        let error = frames
+            .keep(1, b"frame")
+            .expect_err("in the way")
+            .to_string();
         assert!(error.contains("frame_00001.png"), "{error}");
         assert_eq!(fs::read_dir(root.path()).expect("there").count(), 2);
     }

@@ -78,7 +78,9 @@ mod tests {
             (FrameFormat::Png16, film().to_srgb16_be()),
         ] {
             let bytes = format.encode(&film()).expect("encodes");
-            let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().expect("a PNG");
+            let mut reader = png::Decoder::new(Cursor::new(bytes))
+                .read_info()
+                .expect("a PNG");
             assert!(reader.info().srgb.is_some());
             let mut samples = vec![0; codes.len()];
             let info = reader.next_frame(&mut samples).expect("whole");
@@ -90,7 +92,9 @@ mod tests {
     #[test]
     fn exr_files_hold_the_floats() {
         let bytes = FrameFormat::Exr.encode(&film()).expect("encodes");
-        let image = image::load_from_memory(&bytes).expect("an EXR").into_rgb32f();
+        let image = image::load_from_memory(&bytes)
+            .expect("an EXR")
+            .into_rgb32f();
         let channels: Vec<f32> = film().pixels().iter().flat_map(|p| p.to_array()).collect();
         assert_eq!(image.into_raw(), channels);
     }

@@ -3,5 +3,5 @@
 mod folder;
 mod format;
 
-pub use folder::{FrameFolder, FolderError, SequenceInfo};
+pub use folder::{FolderError, FrameFolder, SequenceInfo};
 pub use format::FrameFormat;

@@ -41,7 +41,9 @@ pub fn render_frame(
     let size = DVec2::new(settings.width.into(), settings.height.into());
     let sample = |film: DVec2, sequence: Sequence, index: u32, traversal: &mut Traversal| {
         let ray = camera.ray(film, size, scene.origin);
-        settings.integrator.radiance(scene, &ray, sequence, index, traversal)
+        settings
+            .integrator
+            .radiance(scene, &ray, sequence, index, traversal)
     };
     let grid = Grid::of(settings);
     let points = grid.fill(tile_done, |x, y, work| {
@@ -139,8 +141,13 @@ impl Grid {
             .into_par_iter()
             .map(|tile| {
                 let mut work = Work::default();
-                let (x0, y0) = ((tile % columns) as u32 * TILE, (tile / columns) as u32 * TILE);
-                let values = self.tile_points(x0, y0).map(|(x, y)| point(x, y, &mut work));
+                let (x0, y0) = (
+                    (tile % columns) as u32 * TILE,
+                    (tile / columns) as u32 * TILE,
+                );
+                let values = self
+                    .tile_points(x0, y0)
+                    .map(|(x, y)| point(x, y, &mut work));
                 let values = values.collect();
                 tile_done(work.traversal.rays);
                 (values, work)
@@ -152,7 +159,10 @@ impl Grid {
             non_finite: 0,
         };
         for (tile, (values, work)) in (0..).zip(tiles) {
-            let (x0, y0) = ((tile % columns) as u32 * TILE, (tile / columns) as u32 * TILE);
+            let (x0, y0) = (
+                (tile % columns) as u32 * TILE,
+                (tile / columns) as u32 * TILE,
+            );
             for ((x, y), value) in self.tile_points(x0, y0).zip(values) {
                 all.values[y as usize * self.width as usize + x as usize] = value;
             }

@@ -1,6 +1,7 @@
-use super::frame::{RenderedFrame, render_frame};
+use super::frame::render_frame;
 use super::settings::RenderSettings;
 use crate::camera::CameraPath;
+use crate::film::Film;
 use crate::scene::Scene;
 use std::sync::Mutex;
 use std::thread;
@@ -14,8 +15,10 @@ pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Takes finished frames, from several threads and in no fixed order.
 pub trait FrameSink: Sync {
-    /// Keeps a frame for good, or says why it could not.
-    fn keep(&self, frame: u32, rendered: RenderedFrame) -> Result<(), SinkError>;
+    /// The bytes to keep of a film. Is called on a thread of the pool: it may compute, not wait.
+    fn encode(&self, film: Film) -> Result<Vec<u8>, SinkError>;
+    /// Keeps a frame's bytes for good, or says why it could not. May wait for a disk.
+    fn keep(&self, frame: u32, bytes: &[u8]) -> Result<(), SinkError>;
 }
 
 /// Is told how the work goes on, from several threads.
@@ -55,16 +58,22 @@ pub fn render_sequence(
         while let Some(frame) = next() {
             let camera = path.camera(frame);
             let tile_done = |rays| observer.tile_done(rays);
-            let (rays, non_finite_samples, kept) = pool.install(|| {
+            let (encoded, rays, non_finite_samples) = pool.install(|| {
                 let rendered = render_frame(scene, &camera, settings, frame, &tile_done);
-                let (rays, non_finite) = (rendered.rays, rendered.non_finite_samples);
-                (rays, non_finite, sink.keep(frame, rendered))
+                (
+                    sink.encode(rendered.film),
+                    rendered.rays,
+                    rendered.non_finite_samples,
+                )
             });
+            let kept = encoded.and_then(|bytes| sink.keep(frame, &bytes));
             observer.frame_done(frame, kept.as_ref().err());
             let mut outcome = outcome.lock().expect("no holder panics");
             outcome.rays += rays;
             outcome.non_finite_samples += non_finite_samples;
-            outcome.failures.extend(kept.err().map(|error| (frame, error)));
+            outcome
+                .failures
+                .extend(kept.err().map(|error| (frame, error)));
         }
     };
     // The drivers wait outside the pool, so that no pool thread can be caught running one frame

@@ -14,9 +14,9 @@ pub struct Sequence {
 impl Sequence {
     /// The sequence of film position (x, y) in `frame`.
     pub fn new(seed: u32, frame: u32, x: u32, y: u32) -> Sequence {
-        let seed = [frame, x, y]
-            .into_iter()
-            .fold(hash(seed), |h, v| hash(h ^ hash(v.wrapping_add(0x9e37_79b9))));
+        let seed = [frame, x, y].into_iter().fold(hash(seed), |h, v| {
+            hash(h ^ hash(v.wrapping_add(0x9e37_79b9)))
+        });
         Sequence { seed }
     }
 
@@ -96,8 +96,9 @@ mod tests {
         let sequence = Sequence::new(1, 2, 3, 4);
         for pair in [0, 1, 7, 300] {
             for first in [0, 64, 64 * 1025, 1 << 31] {
-                let points: Vec<_> =
-                    (0..64).map(|i| sequence.sample_2d(first + i, pair)).collect();
+                let points: Vec<_> = (0..64)
+                    .map(|i| sequence.sample_2d(first + i, pair))
+                    .collect();
                 for columns in [1, 2, 4, 8, 16, 32, 64] {
                     let rows = 64 / columns;
                     let mut hit = [false; 64];
@@ -121,7 +122,9 @@ mod tests {
         let base = Sequence::new(0, 0, 0, 0);
         let n = 4096;
         let draw = |s: Sequence, pair: u32| -> Vec<f64> {
-            (0..n).map(|i| f64::from(s.sample_2d(i, pair)[0]) - 0.5).collect()
+            (0..n)
+                .map(|i| f64::from(s.sample_2d(i, pair)[0]) - 0.5)
+                .collect()
         };
         let first = draw(base, 1);
         let others = [
@@ -130,8 +133,12 @@ mod tests {
             draw(Sequence::new(0, 1, 0, 0), 1),
             draw(Sequence::new(1, 0, 0, 0), 1),
             draw(base, 2),
-            (0..n).map(|i| f64::from(base.sample_2d(i, 1)[1]) - 0.5).collect(),
-            (0..n).map(|i| f64::from(base.sample_1d(i, 1)) - 0.5).collect(),
+            (0..n)
+                .map(|i| f64::from(base.sample_2d(i, 1)[1]) - 0.5)
+                .collect(),
+            (0..n)
+                .map(|i| f64::from(base.sample_1d(i, 1)) - 0.5)
+                .collect(),
         ];
         for other in others {
             let sum: f64 = first.iter().zip(&other).map(|(a, b)| 12.0 * a * b).sum();

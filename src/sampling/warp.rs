@@ -27,8 +27,11 @@ pub fn cosine_hemisphere(u: f32, v: f32) -> Vec3 {
 fn sin_cos_eighth(x: f32) -> (f32, f32) {
     let angle = std::f32::consts::FRAC_PI_4 * x;
     let t = angle * angle;
-    let sin = 1.0 - t * (1.0 / 6.0) * (1.0 - t * (1.0 / 20.0) * (1.0 - t * (1.0 / 42.0) * (1.0 - t * (1.0 / 72.0))));
-    let cos = 1.0 - t * 0.5 * (1.0 - t * (1.0 / 12.0) * (1.0 - t * (1.0 / 30.0) * (1.0 - t * (1.0 / 56.0))));
+    let sin = 1.0
+        - t * (1.0 / 6.0)
+            * (1.0 - t * (1.0 / 20.0) * (1.0 - t * (1.0 / 42.0) * (1.0 - t * (1.0 / 72.0))));
+    let cos = 1.0
+        - t * 0.5 * (1.0 - t * (1.0 / 12.0) * (1.0 - t * (1.0 / 30.0) * (1.0 - t * (1.0 / 56.0))));
     (angle * sin, cos)
 }
 
@@ -54,10 +57,7 @@ mod tests {
         let mut sums = [0.0_f64; 5];
         for i in 0..n {
             for j in 0..n {
-                let d = cosine_hemisphere(
-                    (i as f32 + 0.5) / n as f32,
-                    (j as f32 + 0.5) / n as f32,
-                );
+                let d = cosine_hemisphere((i as f32 + 0.5) / n as f32, (j as f32 + 0.5) / n as f32);
                 assert!((d.length() - 1.0).abs() < 1e-6 && d.z >= 0.0);
                 let (x, y, z) = (f64::from(d.x), f64::from(d.y), f64::from(d.z));
                 for (sum, value) in sums.iter_mut().zip([z, z * z, x, y, x * x]) {

@@ -118,7 +118,9 @@ impl SceneBuilder {
         let corners = self.meshes.iter().flat_map(|m| m.positions.iter().copied());
         let lights = self.lights.iter().map(|(position, _)| *position);
         let spheres = self.spheres.iter().map(|(sphere, _)| sphere.center);
-        middle(corners.chain(lights)).or(middle(spheres)).unwrap_or(DVec3::ZERO)
+        middle(corners.chain(lights))
+            .or(middle(spheres))
+            .unwrap_or(DVec3::ZERO)
     }
 }
 

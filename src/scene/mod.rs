@@ -86,9 +86,7 @@ impl Scene {
     /// Bytes of shapes, tree and textures.
     pub fn memory(&self) -> usize {
         let meshes = self.meshes.iter().map(|mesh| {
-            size_of_val(&*mesh.positions)
-                + size_of_val(&*mesh.normals)
-                + size_of_val(&*mesh.uvs)
+            size_of_val(&*mesh.positions) + size_of_val(&*mesh.normals) + size_of_val(&*mesh.uvs)
         });
         let triangles = size_of_val(&*self.triangles);
         let textures = self.textures.iter().map(Texture::memory);

@@ -92,9 +92,7 @@ impl Scene {
             shading_normal: mesh.shading_normal(corners, weights, triangle.normal),
             reflectance: match material {
                 MeshMaterial::Uniform(id) => at(*id),
-                MeshMaterial::PerVertex(ids) => {
-                    Reflectance::barycentric(ids.map(at), weights)
-                }
+                MeshMaterial::PerVertex(ids) => Reflectance::barycentric(ids.map(at), weights),
             },
             convex: [true, true],
         }

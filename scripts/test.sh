@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# Everything that proves the project: format, lints, docs, tests, and both videos made small.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+if ! command -v ffmpeg >/dev/null; then
+    root=; [ "$(id -u)" -eq 0 ] || root=sudo
+    $root apt-get update -qq
+    $root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq ffmpeg >/dev/null
+fi
+
+step() { printf '\n== %s\n' "$*"; }
+step Format
+cargo fmt --check
+step Lints
+cargo clippy --quiet --all-targets -- -D warnings
+step Documentation
+RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps --document-private-items
+step Tests
+cargo test --quiet
+step "Both videos, small"
+out=$(mktemp -d)
+trap 'rm -rf "$out"' EXIT
+scripts/render_videos.sh "$out" --size 160x90 --splits 4
+for name in translate_rotate zoom; do
+    ffprobe -v error -show_entries format=duration -of "csv=p=0:s=,:nk=1" "$out/$name.mp4" \
+        | sed "s/^/$name.mp4 lasts, in seconds: /"
+done
+step "All passed"

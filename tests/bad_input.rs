@@ -1,0 +1,233 @@
+//! Wrong input files: each is refused with its place and what to do, or said in a warning.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod support;
+
+use std::fs;
+use support::*;
+
+/// Runs `check` on a scene and a path given as text, with `files` beside them. Returns the exit
+/// status and stderr, with the folder's name cut out.
+fn check(scene: &str, path: &str, files: &[(&str, &[u8])]) -> (Option<i32>, String) {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in [("s.ron", scene.as_bytes()), ("p.ron", path.as_bytes())] {
+        fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    for (name, bytes) in files {
+        fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let output = flythrough(&["check", &file("s.ron"), &file("p.ron")]);
+    let place = format!("{}/", folder.path().display());
+    (output.status.code(), stderr(&output).replace(&place, ""))
+}
+
+const KEY: &str = "(time: 0, position: (0, 0, 0), look_at: (0, 0, -1), fov: 50)";
+
+fn path(keys: &str) -> String {
+    format!("CameraPath(fps: 24, keyframes: [{keys}])")
+}
+
+#[test]
+fn scenes() {
+    let sphere = |fields: &str| {
+        format!(
+            "Scene(materials: {{\"m\": ()}}, objects: [sphere(radius: 1, material: \"m\", {fields})])"
+        )
+    };
+    let cases = [
+        ("Scene(objects: [)".to_owned(), "s.ron:1:17: "),
+        ("Scene(\n  objets: [],\n)".to_owned(), "s.ron:2:9: Unexpected field named `objets`"),
+        ("Scene(objects: \"none\")".to_owned(), "s.ron:1:16: "),
+        ("Scene()".to_owned(), "missing required field `objects`"),
+        (sphere("center: (0, NaN, 0)"), "s.ron: objects[0].center: (0, NaN, 0): every number"),
+        (sphere("translation: (inf, 0, 0)"), "objects[0].translation: (inf, 0, 0)"),
+        (sphere("scale: (1, 0, 1)"), "objects[0].scale: [1, 0, 1]: no factor may be 0"),
+        (sphere("wobble: 3"), "Unexpected field named `wobble`"),
+        (
+            "Scene(objects: [sphere(radius: -1, material: \"m\")], materials: {\"m\": ()})".to_owned(),
+            "objects[0].radius: -1 is not a number above 0",
+        ),
+        (
+            "Scene(objects: [sphere(radius: 1, material: \"gold\")], materials: {\"red\": (), \"blue\": ()})".to_owned(),
+            "objects[0].material: no material is called \"gold\"; `materials` has: blue, red",
+        ),
+        (
+            "Scene(objects: [], materials: {\"m\": (diffuse: (0, 1.5, 0))})".to_owned(),
+            "materials[\"m\"].diffuse: (0, 1.5, 0): every channel must lie between 0 and 1",
+        ),
+        (
+            "Scene(objects: [], materials: {\"m\": (shininess: -2)})".to_owned(),
+            "materials[\"m\"].shininess: -2 is not between 0 and",
+        ),
+        (
+            "Scene(objects: [],\n materials: {\"m\": (),\n \"m\": ()})".to_owned(),
+            "the name \"m\" stands twice",
+        ),
+        (
+            "Scene(objects: [], materials: {\"m\": (texture: \"no.png\")})".to_owned(),
+            "s.ron: materials[\"m\"].texture names no.png, which cannot be read: No such file",
+        ),
+        (
+            "Scene(objects: [model(file: \"no.obj\")])".to_owned(),
+            "s.ron: objects[0].file names no.obj, which cannot be read",
+        ),
+        (
+            "Scene(objects: [triangle(vertices: [(0, 0, 0), (1, 0, 0)], material: \"m\")])".to_owned(),
+            "a triangle's list has 3 entries, not 2",
+        ),
+        (
+            "Scene(objects: [triangle(vertices: [(0, 0, 0), (1, 0, 0), (0, 1, 0)])])".to_owned(),
+            "objects[0]: give either `material` or `vertex_materials: [a, b, c]`",
+        ),
+        (
+            "Scene(objects: [], lights: [(position: (0, 0, 0), intensity: (1, -1, 1))])".to_owned(),
+            "lights[0].intensity: (1, -1, 1): every channel",
+        ),
+        (
+            "Scene(objects: [], lights: [(position: (0, 0, 0), intensity: (1, 1, 1), falloff: linear)])".to_owned(),
+            "linear",
+        ),
+        ("Scene(objects: [], settings: (samples: 0))".to_owned(), "settings.samples: 0 is not"),
+        ("Scene(objects: [], settings: (mode: \"fast\"))".to_owned(), "no mode is called \"fast\""),
+    ];
+    for (scene, expected) in cases {
+        let (status, message) = check(&scene, &path(KEY), &[]);
+        assert_eq!(status, Some(2), "{scene}: {message}");
+        assert!(message.contains(expected), "{scene}: {message}");
+    }
+}
+
+#[test]
+fn paths() {
+    let one = |fields: &str| path(&format!("(time: 0, {fields})"));
+    let cases = [
+        (
+            path(""),
+            "keyframes: keyframes: there are none; write at least one",
+        ),
+        (
+            path(&format!("{KEY}, {KEY}")),
+            "keyframes[1].time: 0 s is not after the key before it",
+        ),
+        (
+            one("position: (0, 0, 0), fov: 50"),
+            "keyframes[0]: give either `look_at: (x, y, z)` or `rotation: (x, y, z)`",
+        ),
+        (
+            one("position: (0, 0, 0), look_at: (0, 0, 1), rotation: (0, 0, 0), fov: 50"),
+            "give either",
+        ),
+        (
+            one("position: (0, 0, 0), look_at: (0, 0, 0), fov: 50"),
+            "the camera is at its look_at",
+        ),
+        (
+            one("position: (0, 0, 0), look_at: (0, 5, 0), fov: 50"),
+            "straight up or down",
+        ),
+        (
+            one("position: (0, 0, 0), rotation: (0, 0, 0), fov: 180"),
+            "keyframes[0].fov: 180",
+        ),
+        (
+            one("position: (0, 0, 0), rotation: (0, 0, 0), fov: NaN"),
+            "keyframes[0].fov: NaN",
+        ),
+        (
+            one("position: (0, 1e30, 0), rotation: (0, 0, 0), fov: 50"),
+            "keyframes[0].position",
+        ),
+        (
+            format!("CameraPath(fps: 0, keyframes: [{KEY}])"),
+            "fps: 0 is not a number above 0",
+        ),
+        (
+            format!("CameraPath(fps: 24, speed: 1, keyframes: [{KEY}])"),
+            "field named `speed`",
+        ),
+        (
+            "CameraPath(fps: 24, keyframes: [(time: \"0\")])".to_owned(),
+            "p.ron:1:40",
+        ),
+    ];
+    for (path, expected) in cases {
+        let (status, message) = check("Scene(objects: [])", &path, &[]);
+        assert_eq!(status, Some(2), "{path}: {message}");
+        assert!(message.contains(expected), "{path}: {message}");
+    }
+}
+
+#[test]
+fn models_and_images() {
+    let model = "Scene(objects: [model(file: \"m.obj\")])";
+    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    let cases = [
+        (
+            model,
+            vec![("m.obj", "v 0 0 zero\n".into())],
+            "m.obj:1: position parse error",
+        ),
+        (
+            model,
+            vec![("m.obj", format!("{triangle}f 1 2 7\n"))],
+            "m.obj:4: face vertex index out",
+        ),
+        (
+            model,
+            vec![("m.obj", format!("mtllib none.mtl\n{triangle}f 1 2 3\n"))],
+            "m.obj: mtllib names none.mtl, which cannot be read",
+        ),
+        (
+            model,
+            vec![
+                (
+                    "m.obj",
+                    format!("mtllib m.mtl\n{triangle}usemtl a\nf 1 2 3\n"),
+                ),
+                ("m.mtl", "newmtl a\nmap_Kd none.png\n".into()),
+            ],
+            "m.mtl: material \"a\": map_Kd names none.png",
+        ),
+        (
+            "Scene(objects: [], materials: {\"m\": (texture: \"t.png\")})",
+            vec![("t.png", "not a picture".into())],
+            "t.png: not an image that can be used",
+        ),
+    ];
+    for (scene, files, expected) in cases {
+        let files: Vec<_> = files
+            .iter()
+            .map(|(n, text)| (*n, text.as_bytes()))
+            .collect();
+        let (status, message) = check(scene, &path(KEY), &files);
+        assert_eq!(status, Some(2), "{message}");
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn oddities_are_said_and_do_not_stop() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n";
+    let scene = "Scene(materials: {\"m\": ()}, objects: [
+        model(file: \"m.obj\"),
+        sphere(radius: 1, material: \"m\", scale: (1, -3, 2)),
+    ])";
+    let (status, message) = check(scene, &path(KEY), &[("m.obj", obj.as_bytes())]);
+    assert_eq!(status, Some(0), "{message}");
+    for expected in [
+        "m.obj: 2 triangles name no material",
+        "objects[1] is scaled unevenly; it stays a sphere, its radius times the largest factor 3",
+        "1 triangles without area are left out",
+        "there are no lights",
+    ] {
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn files_that_are_not_there() {
+    let output = flythrough(&["check", "scenes/none.ron", "paths/zoom.ron"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("scenes/none.ron: cannot be read: No such file"));
+}

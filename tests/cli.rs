@@ -1,0 +1,222 @@
+//! The program as its users meet it.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod support;
+
+use std::fs;
+use std::path::Path;
+use support::*;
+
+const PAIRS: [(&str, &str); 6] = [
+    ("test", "test"),
+    ("test1", "test"),
+    ("test2", "translate_rotate"),
+    ("test2", "zoom"),
+    ("test3", "test3"),
+    ("gallery", "gallery"),
+];
+
+/// Renders into a folder, small; returns the exit status and what was said on stderr.
+fn render_small(scene: &str, path: &str, out: &Path, more: &[&str]) -> (Option<i32>, String) {
+    let (scene, path) = (format!("scenes/{scene}.ron"), format!("paths/{path}.ron"));
+    let mut arguments = vec!["render", &scene, &path, "--out", out.to_str().unwrap()];
+    arguments.extend(["--size", "24x14", "--splits", "2"]);
+    arguments.extend(more);
+    let output = flythrough(&arguments);
+    (output.status.code(), stderr(&output))
+}
+
+#[test]
+fn every_shipped_scene_and_path_is_named_here_and_checks_without_warnings() {
+    let names = |folder: &str| -> Vec<String> {
+        let entries = fs::read_dir(root().join(folder)).unwrap();
+        let files = entries.map(|e| e.unwrap().path());
+        let ron = files.filter(|f| f.extension().is_some_and(|e| e == "ron"));
+        ron.map(|f| f.file_stem().unwrap().to_str().unwrap().to_owned())
+            .collect()
+    };
+    for scene in names("scenes") {
+        assert!(PAIRS.iter().any(|(s, _)| *s == scene), "{scene}");
+    }
+    for path in names("paths") {
+        assert!(PAIRS.iter().any(|(_, p)| *p == path), "{path}");
+    }
+    for (scene, path) in PAIRS {
+        let output = flythrough(&[
+            "check",
+            &format!("scenes/{scene}.ron"),
+            &format!("paths/{path}.ron"),
+        ]);
+        let report = String::from_utf8(output.stdout.clone()).unwrap();
+        assert_eq!(output.status.code(), Some(0));
+        assert!(
+            report.contains("warnings   0") && stderr(&output).is_empty(),
+            "{report}"
+        );
+    }
+}
+
+#[test]
+fn every_shipped_scene_renders_in_every_mode() {
+    for (scene, path) in PAIRS {
+        for mode in [
+            "raytracing",
+            "supersampling",
+            "montecarlo",
+            "montecarlo-supersampling",
+        ] {
+            let out = tempfile::tempdir().unwrap();
+            let result = render_small(scene, path, out.path(), &["--mode", mode, "--frames", "0"]);
+            assert_eq!(result, (Some(0), String::new()), "{scene} {path} {mode}");
+            let file = out.path().join("frame_00000.png");
+            let picture = image::open(file).unwrap().into_rgb8();
+            assert_eq!(picture.dimensions(), (24, 14));
+            let light: u64 = picture.as_raw().iter().map(|&code| u64::from(code)).sum();
+            assert!(light > 24 * 14 * 3 * 20, "{scene} {path} {mode} is dark");
+        }
+    }
+}
+
+#[test]
+fn one_thread_and_three_write_the_same_files() {
+    let (one, three) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let more = ["--frames", "0-60:20", "--mode", "montecarlo-supersampling"];
+    for (out, threads) in [(&one, "1"), (&three, "3")] {
+        let threads = ["--threads", threads];
+        let result = render_small("test2", "zoom", out.path(), &[&more[..], &threads].concat());
+        assert_eq!(result.0, Some(0));
+    }
+    assert_eq!(frames(one.path()).len(), 4);
+    assert_eq!(frames(one.path()), frames(three.path()));
+}
+
+#[test]
+fn an_interrupted_run_is_taken_up_and_other_frames_are_not_mixed_in() {
+    let out = tempfile::tempdir().unwrap();
+    let some = |more: &[&str]| render_small("test3", "test3", out.path(), more);
+    assert_eq!(some(&["--frames", "0-3"]).0, Some(0));
+    // A frame that is there is left alone: this one would be mended if it were rendered again.
+    let second = out.path().join("frame_00001.png");
+    fs::write(&second, "mark").unwrap();
+    assert_eq!(some(&["--frames", "0-5"]).0, Some(0));
+    assert_eq!(frames(out.path()).len(), 6);
+    assert_eq!(fs::read(&second).unwrap(), b"mark");
+    let (status, message) = some(&["--seed", "1"]);
+    assert_eq!(status, Some(2));
+    assert!(
+        message.contains("another scene, path or settings"),
+        "{message}"
+    );
+    assert_eq!(some(&["--frames", "1", "--force"]).0, Some(0));
+    assert_ne!(fs::read(&second).unwrap(), b"mark");
+}
+
+#[test]
+fn the_path_wins_over_the_scene_and_a_flag_over_both() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    file(
+        "s.ron",
+        "Scene(settings: (size: (10, 10), samples: 2), objects: [])",
+    );
+    file(
+        "p.ron",
+        "CameraPath(fps: 1, settings: (size: (20, 10)), keyframes: [(time: 0, position: (0, 0, 0), look_at: (0, 0, 1), fov: 50)])",
+    );
+    let [s, p, out] = ["s.ron", "p.ron", "out"].map(|n| folder.path().join(n));
+    let [s, p, out] = [&s, &p, &out].map(|n| n.to_str().unwrap());
+    let size = || image::image_dimensions(format!("{out}/frame_00000.png")).unwrap();
+    assert_eq!(
+        flythrough(&["render", s, p, "-o", out]).status.code(),
+        Some(0)
+    );
+    assert_eq!(size(), (20, 10));
+    let flag = ["render", s, p, "-o", out, "--size", "30x10", "--force"];
+    assert_eq!(flythrough(&flag).status.code(), Some(0));
+    assert_eq!(size(), (30, 10));
+}
+
+#[test]
+fn formats_hold_the_same_light() {
+    let out = tempfile::tempdir().unwrap();
+    let render = |format: &str, name: &str| {
+        let folder = out.path().join(format);
+        let more = ["--format", format, "--frames", "0", "--exposure", "0"];
+        assert_eq!(render_small("test", "test", &folder, &more).0, Some(0));
+        image::open(folder.join(name)).unwrap()
+    };
+    let eight = render("png", "frame_00000.png").into_rgb8();
+    let sixteen = render("png16", "frame_00000.png").into_rgb16();
+    let linear = render("exr", "frame_00000.exr").into_rgb32f();
+    for ((a, b), c) in eight
+        .as_raw()
+        .iter()
+        .zip(sixteen.as_raw())
+        .zip(linear.as_raw())
+    {
+        assert!((f64::from(*b) / 257.0 - f64::from(*a)).abs() <= 0.51);
+        let encoded = flythrough::math::color::linear_to_srgb(*c);
+        assert_eq!((encoded * 255.0).round() as u8, *a);
+    }
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let out = tempfile::tempdir().unwrap();
+    let (scene, path) = ("scenes/test.ron", "paths/test.ron");
+    let out = out.path().to_str().unwrap();
+    let output = flythrough(&["render", scene, path, "-o", out, "--size", "8x8", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+}
+
+#[test]
+fn frames_that_cannot_be_written_are_named_and_the_others_go_on() {
+    let out = tempfile::tempdir().unwrap();
+    fs::create_dir(out.path().join("frame_00001.png")).unwrap();
+    let (status, message) = render_small(
+        "test3",
+        "test3",
+        out.path(),
+        &["--frames", "0-2", "--force"],
+    );
+    assert_eq!(status, Some(3));
+    assert!(
+        message.contains("frame 1 failed") && message.contains("frame_00001.png"),
+        "{message}"
+    );
+    assert!(out.path().join("frame_00000.png").is_file());
+    assert!(out.path().join("frame_00002.png").is_file());
+}
+
+/// Every kind of wrong command: exit status 2, and what the message must say.
+#[test]
+fn wrong_commands_are_refused() {
+    let cases: [(&[&str], &str); 9] = [
+        (&["--frames", "0-9999"], "the path has 0-48"),
+        (&["--frames", "5-1"], "0-99:2"),
+        (&["--size", "0x9"], "--size: 0 is not between 1 and"),
+        (&["--size", "9"], "1280x720"),
+        (&["--mode", "fast"], "montecarlo-supersampling"),
+        (&["--samples", "0"], "--samples: 0"),
+        (&["--splits", "3,0"], "--splits: 0"),
+        (&["--bounces", "99"], "--bounces: 99"),
+        (&["--threads", "0"], "--threads"),
+    ];
+    for (more, expected) in cases {
+        let out = tempfile::tempdir().unwrap();
+        let folder = out.path().to_str().unwrap();
+        let start = [
+            "render",
+            "scenes/test3.ron",
+            "paths/test3.ron",
+            "-o",
+            folder,
+        ];
+        let output = flythrough(&[&start, more].concat());
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{more:?}");
+        assert!(message.contains(expected), "{more:?}: {message}");
+        assert!(frames(out.path()).is_empty());
+    }
+}

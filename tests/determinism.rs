@@ -1,0 +1,72 @@
+//! The same frame, whoever renders it and in whatever order.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod support;
+
+use flythrough::render::{PixelSampling, RenderSettings, render_frame};
+use glam::Vec3;
+use support::*;
+
+fn on_threads(threads: usize, settings: &RenderSettings, frame: u32) -> Vec<Vec3> {
+    let scene = shipped_scene("test2.ron");
+    let camera = shipped_path("zoom.ron").camera(frame);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .unwrap();
+    let rendered = pool.install(|| render_frame(&scene, &camera, settings, frame, &|_| ()));
+    rendered.film.pixels().to_vec()
+}
+
+#[test]
+fn one_thread_or_many_give_the_same_bits() {
+    for sampling in [
+        PixelSampling::Center,
+        PixelSampling::Corners,
+        PixelSampling::Spread(3),
+    ] {
+        let mut settings = settings(monte_carlo(3, &[4, 2]), 61, 35);
+        settings.sampling = sampling;
+        let one = on_threads(1, &settings, 7);
+        assert_eq!(one, on_threads(5, &settings, 7), "{sampling:?}");
+    }
+}
+
+#[test]
+fn seeds_and_frames_have_noise_of_their_own() {
+    let mut settings = settings(monte_carlo(2, &[1]), 16, 9);
+    // First and last frame of the zoom have the same camera.
+    let last = shipped_path("zoom.ron").timeline().frame_count() - 1;
+    let first = on_threads(2, &settings, 0);
+    assert_ne!(first, on_threads(2, &settings, last));
+    settings.seed = 1;
+    assert_ne!(first, on_threads(2, &settings, 0));
+}
+
+/// Shared corners are the four corner samples of each pixel, exactly.
+#[test]
+fn corners_equal_four_samples_of_each_pixel() {
+    let scene = shipped_scene("test.ron");
+    let camera = shipped_path("test.ron").camera(0);
+    let (width, height) = (24, 18);
+    let mut settings = settings(ray_tracing(), width, height);
+    settings.sampling = PixelSampling::Corners;
+    let shared = render(&scene, &camera, &settings);
+    let size = glam::DVec2::new(width.into(), height.into());
+    let mut traversal = flythrough::accel::Traversal::default();
+    for y in 0..height {
+        for x in 0..width {
+            let mut corner = |dx: f64, dy: f64| {
+                let film = glam::DVec2::new(f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy);
+                let ray = camera.ray(film, size, scene.origin);
+                let sequence = flythrough::sampling::Sequence::new(0, 0, 0, 0);
+                settings
+                    .integrator
+                    .radiance(&scene, &ray, sequence, 0, &mut traversal)
+            };
+            let above = corner(-0.5, -0.5) + corner(0.5, -0.5);
+            let mean = 0.25 * (above + (corner(-0.5, 0.5) + corner(0.5, 0.5)));
+            assert_eq!(shared[(y * width + x) as usize], mean);
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! What the test programs share: scenes from text, cameras, and the program itself.
+#![allow(dead_code, reason = "each test program uses its part")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use flythrough::camera::{Camera, CameraPath, Interpolation, Keyframe, Orientation};
+use flythrough::input::{InputFiles, load_camera_path, load_scene};
+use flythrough::integrator::Integrator;
+use flythrough::render::{PixelSampling, RenderSettings, render_frame};
+use flythrough::scene::Scene;
+use glam::{DVec3, Vec3};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+pub(crate) fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A scene from the text of a scene file.
+pub(crate) fn scene(text: &str) -> Scene {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.ron");
+    std::fs::write(&file, text).unwrap();
+    load_scene(&file, &mut InputFiles::default()).unwrap().scene
+}
+
+pub(crate) fn shipped_scene(name: &str) -> Scene {
+    let file = root().join("scenes").join(name);
+    load_scene(&file, &mut InputFiles::default()).unwrap().scene
+}
+
+pub(crate) fn shipped_path(name: &str) -> CameraPath {
+    let file = root().join("paths").join(name);
+    load_camera_path(&file, &mut InputFiles::default())
+        .unwrap()
+        .path
+}
+
+/// A camera that looks from a point to another, its vertical field of view in degrees.
+pub(crate) fn camera(position: DVec3, target: DVec3, degrees: f64) -> Camera {
+    let key = Keyframe {
+        time: 0.0,
+        position,
+        orientation: Orientation::LookAt(target),
+        field_of_view: degrees.to_radians(),
+    };
+    CameraPath::new(1.0, Interpolation::Linear, &[key])
+        .unwrap()
+        .camera(0)
+}
+
+pub(crate) fn settings(integrator: Integrator, width: u32, height: u32) -> RenderSettings {
+    RenderSettings {
+        width,
+        height,
+        integrator,
+        sampling: PixelSampling::Center,
+        seed: 0,
+    }
+}
+
+/// The pixels of one frame.
+pub(crate) fn render(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Vec<Vec3> {
+    let rendered = render_frame(scene, camera, settings, 0, &|_| ());
+    assert_eq!(rendered.non_finite_samples, 0);
+    rendered.film.pixels().to_vec()
+}
+
+/// What a camera sees in the very middle of its picture.
+pub(crate) fn look(scene: &Scene, integrator: Integrator, position: DVec3, target: DVec3) -> Vec3 {
+    render(
+        scene,
+        &camera(position, target, 1e-6),
+        &settings(integrator, 1, 1),
+    )[0]
+}
+
+pub(crate) fn ray_tracing() -> Integrator {
+    Integrator::RayTracing { bounces: 4 }
+}
+
+pub(crate) fn monte_carlo(bounces: u32, splits: &[u32]) -> Integrator {
+    Integrator::MonteCarlo {
+        bounces,
+        splits: splits.to_vec(),
+    }
+}
+
+pub(crate) fn assert_close(value: Vec3, expected: Vec3, tolerance: f32) {
+    let error = (value - expected).abs().max_element();
+    assert!(
+        error <= tolerance,
+        "{value} instead of {expected}, off by {error}"
+    );
+}
+
+/// Runs the program in the project's root.
+pub(crate) fn flythrough(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_flythrough"))
+        .args(arguments)
+        .current_dir(root())
+        .output()
+        .unwrap()
+}
+
+pub(crate) fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The frames of a folder with their bytes, by name.
+pub(crate) fn frames(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut frames: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| {
+            path.file_name()
+                .unwrap()
+                .to_string_lossy()
+                .starts_with("frame_")
+        })
+        .map(|path| {
+            (
+                path.file_name().unwrap().into(),
+                std::fs::read(&path).unwrap(),
+            )
+        })
+        .collect();
+    frames.sort();
+    frames
+}

@@ -17,7 +17,7 @@ cargo clippy --quiet --all-targets -- -D warnings
 step Documentation
 RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps --document-private-items
 step Tests
-cargo test --quiet
+cargo test --quiet --release
 step "Both videos, small"
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT

@@ -36,9 +36,9 @@ fn scenes() {
         )
     };
     let cases = [
-        ("Scene(objects: [)".to_owned(), "s.ron:1:17: "),
-        ("Scene(\n  objets: [],\n)".to_owned(), "s.ron:2:9: Unexpected field named `objets`"),
-        ("Scene(objects: \"none\")".to_owned(), "s.ron:1:16: "),
+        ("Scene(objects: [)".to_owned(), "s.ron:1:1"),
+        ("Scene(\n  objets: [],\n)".to_owned(), "s.ron:2:3: Unexpected field named `objets`"),
+        ("Scene(objects: \"none\")".to_owned(), "s.ron:1:15: Expected opening"),
         ("Scene()".to_owned(), "missing required field `objects`"),
         (sphere("center: (0, NaN, 0)"), "s.ron: objects[0].center: (0, NaN, 0): every number"),
         (sphere("translation: (inf, 0, 0)"), "objects[0].translation: (inf, 0, 0)"),
@@ -148,7 +148,7 @@ fn paths() {
         ),
         (
             "CameraPath(fps: 24, keyframes: [(time: \"0\")])".to_owned(),
-            "p.ron:1:40",
+            "p.ron:1:39: Expected float",
         ),
     ];
     for (path, expected) in cases {

@@ -92,8 +92,13 @@ fn light_off_the_centre_of_a_sphere() {
                 .map(|k| 0.5_f64.powi(k) * 3.0 / 4.0)
                 .sum();
             let expected = direct + Vec3::splat((0.5 / PI * indirect) as f32);
-            let seen = look(&scene, monte_carlo(bounces, &[65_536]), eye, target);
-            assert_close(seen, expected, 2e-3 * expected.x);
+            // Sixteen pixels that see the same give sixteen independent estimates.
+            let settings = settings(monte_carlo(bounces, &[4096]), 4, 4);
+            let pixels = render(&scene, &camera(eye, target, 1e-6), &settings);
+            let mean = pixels.iter().sum::<Vec3>() / 16.0;
+            let variance = pixels.iter().map(|p| (p.x - mean.x).powi(2)).sum::<f32>() / 15.0;
+            // Five standard errors.
+            assert_close(mean, expected, 5.0 * (variance / 16.0).sqrt() + 1e-6);
         }
     }
 }
@@ -343,6 +348,7 @@ fn means_agree_with_mitsuba() {
                 .collect()
         })
         .collect();
+    assert_eq!(rows.len(), 4 * 48);
     for bounces in [0, 1, 2, 4] {
         let runs: Vec<Vec<Vec3>> = (0..SEEDS)
             .map(|seed| {

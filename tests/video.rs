@@ -117,7 +117,8 @@ fn colours_survive() {
 
 #[test]
 fn gaps_short_sequences_and_damaged_frames_are_refused() {
-    let damage: [(&str, fn(&Path)); 6] = [
+    type Harm = fn(&Path);
+    let damage: [(&str, Harm); 6] = [
         ("frame_00007.png is missing", |f| {
             fs::remove_file(f.join("frame_00007.png")).unwrap()
         }),

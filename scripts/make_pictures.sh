@@ -47,10 +47,12 @@ edge='crop=60:50:665:285,scale=480:400:flags=neighbor'
 filter edge.png "[0]$edge[a];[1]$edge[b];[a]pad=iw+8[a];[a][b]hstack" \
     "$work/rough.png" "$work/test2.png"
 
-# Green light on the white wall.
-still direct test2 zoom --mode raytracing --samples 16 --frames 0 --size 640x360
-still gathered test2 zoom --mode montecarlo --samples 16 --frames 0 --size 640x360
-filter bleeding.png "[0]pad=iw+8[a];[a][1]hstack" "$work/direct.png" "$work/gathered.png"
+# Green light on the white wall, in the corner behind the sphere.
+still direct test2 zoom --mode raytracing --samples 16 --frames 0 --size 960x540
+still gathered test2 zoom --mode montecarlo --samples 16 --frames 0 --size 960x540
+corner='crop=400:400:400:40'
+filter bleeding.png "[0]$corner,pad=iw+8[a];[1]$corner[b];[a][b]hstack" \
+    "$work/direct.png" "$work/gathered.png"
 
 # Two shadows and their darker overlap.
 still test3 test3 test3 --mode montecarlo --samples 16 --frames 0

@@ -36,10 +36,10 @@ fn scenes() {
         )
     };
     let cases = [
-        ("Scene(objects: [)".to_owned(), "s.ron:1:1"),
+        ("Scene(objects: [)".to_owned(), "s.ron:1:17: Expected identifier"),
         ("Scene(\n  objets: [],\n)".to_owned(), "s.ron:2:3: Unexpected field named `objets`"),
         ("Scene(objects: \"none\")".to_owned(), "s.ron:1:15: Expected opening"),
-        ("Scene()".to_owned(), "missing required field `objects`"),
+        ("Scene()".to_owned(), "missing field named `objects`"),
         (sphere("center: (0, NaN, 0)"), "s.ron: objects[0].center: (0, NaN, 0): every number"),
         (sphere("translation: (inf, 0, 0)"), "objects[0].translation: (inf, 0, 0)"),
         (sphere("scale: (1, 0, 1)"), "objects[0].scale: [1, 0, 1]: no factor may be 0"),

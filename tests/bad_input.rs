@@ -104,11 +104,11 @@ fn paths() {
     let cases = [
         (
             path(""),
-            "keyframes: keyframes: there are none; write at least one",
+            "p.ron: keyframes: there are none; write at least one",
         ),
         (
             path(&format!("{KEY}, {KEY}")),
-            "keyframes[1].time: 0 s is not after the key before it",
+            "p.ron: keyframes: key 1, at 0 s, is not after the key before it",
         ),
         (
             one("position: (0, 0, 0), fov: 50"),

@@ -38,9 +38,9 @@ pub enum Interpolation {
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 #[expect(missing_docs, reason = "each variant is described by its message")]
 pub enum PathError {
-    #[error("keyframes: there are none; write at least one")]
+    #[error("there are none; write at least one")]
     NoKeys,
-    #[error("keyframes[{key}].time: {time} s is not after the key before it; times must rise")]
+    #[error("key {key}, at {time} s, is not after the key before it; times must rise")]
     TimesDoNotRise { key: usize, time: f64 },
     #[error(
         "at {time} s (frame {frame}) the camera is at its look_at point; move one of them, or give \

@@ -10,13 +10,15 @@ mod check;
 mod error;
 mod files;
 mod obj;
+mod obj_lines;
 mod ron_file;
 mod scene_file;
+mod scene_loader;
 mod settings_file;
 mod texture_file;
 
 pub use camera_path_file::{CameraPathInput, load_camera_path};
 pub use error::InputError;
 pub use files::InputFiles;
-pub use scene_file::{SceneInput, load_scene};
+pub use scene_loader::{SceneInput, load_scene};
 pub use settings_file::{Mode, Settings, SettingsError};

@@ -1,81 +1,56 @@
-//! Scene files.
+//! The syntax of scene files.
 //!
 //! ```ron
 #![doc = include_str!("../../scenes/test.ron")]
 //! ```
 
-use super::check::{BRIGHTEST, Checker, Triple};
-use super::error::InputError;
-use super::files::{InputFiles, relative_to};
-use super::obj::{self, ObjModel};
+use super::check::Triple;
+use super::ron_file;
 use super::settings_file::Settings;
-use super::{ron_file, texture_file};
-use crate::geometry::{Sphere, Transform};
-use crate::light::{Falloff, PointLight};
-use crate::material::Material;
-use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
-use glam::{DVec3, Vec2, Vec3};
 use serde::Deserialize;
-use std::collections::{BTreeMap, HashMap};
-use std::path::{Path, PathBuf};
-use std::rc::Rc;
-
-/// A scene, the settings that stand with it, and what to tell the user of it.
-#[derive(Debug)]
-pub struct SceneInput {
-    /// The resolved scene.
-    pub scene: Scene,
-    /// Settings of the file.
-    pub settings: Settings,
-    /// How many objects the file names.
-    pub object_count: usize,
-    /// The names of the textures, in the order of the scene's.
-    pub texture_files: Vec<PathBuf>,
-    /// What is not as the files may mean it.
-    pub warnings: Vec<String>,
-}
+use std::collections::BTreeMap;
 
 #[derive(Deserialize)]
 #[serde(rename = "Scene", deny_unknown_fields)]
-struct SceneFile {
+pub(super) struct SceneFile {
     #[serde(default)]
-    background: Triple,
+    pub(super) background: Triple,
     #[serde(default)]
-    ambient: Triple,
+    pub(super) ambient: Triple,
     #[serde(default)]
-    settings: Settings,
+    pub(super) settings: Settings,
     #[serde(default, deserialize_with = "ron_file::unique_keys")]
-    materials: BTreeMap<String, MaterialFile>,
+    pub(super) materials: BTreeMap<String, MaterialFile>,
     #[serde(default)]
-    lights: Vec<LightFile>,
-    objects: Vec<ObjectFile>,
+    pub(super) lights: Vec<LightFile>,
+    pub(super) objects: Vec<ObjectFile>,
 }
 
 #[derive(Deserialize)]
 #[serde(rename = "Material", deny_unknown_fields)]
-struct MaterialFile {
-    diffuse: Option<Triple>,
-    texture: Option<String>,
+pub(super) struct MaterialFile {
+    pub(super) diffuse: Option<Triple>,
+    pub(super) texture: Option<String>,
     #[serde(default)]
-    specular: Triple,
+    pub(super) specular: Triple,
     #[serde(default)]
-    shininess: f64,
+    pub(super) shininess: f64,
     #[serde(default)]
-    reflective: Triple,
+    pub(super) reflective: Triple,
 }
 
 #[derive(Deserialize)]
 #[serde(rename = "Light", deny_unknown_fields)]
-struct LightFile {
-    position: Triple,
-    intensity: Triple,
+pub(super) struct LightFile {
+    pub(super) position: Triple,
+    pub(super) intensity: Triple,
     #[serde(default)]
-    falloff: FalloffFile,
+    pub(super) falloff: FalloffFile,
 }
 
 #[derive(Clone, Copy, Default, Deserialize)]
 #[serde(rename = "Falloff", rename_all = "snake_case")]
-enum FalloffFile {
+pub(super) enum FalloffFile {
     #[default]
     InverseSquare,
     Constant,
@@ -83,7 +58,7 @@ enum FalloffFile {
 
 #[derive(Deserialize)]
 #[serde(rename = "Object", rename_all = "snake_case")]
-enum ObjectFile {
+pub(super) enum ObjectFile {
     Sphere(SphereFile),
     Triangle(TriangleFile),
     Model(ModelFile),
@@ -91,403 +66,51 @@ enum ObjectFile {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct SphereFile {
+pub(super) struct SphereFile {
     #[serde(default)]
-    center: Triple,
-    radius: f64,
-    material: String,
+    pub(super) center: Triple,
+    pub(super) radius: f64,
+    pub(super) material: String,
     #[serde(default = "one")]
-    scale: Triple,
+    pub(super) scale: Triple,
     #[serde(default)]
-    rotation: Triple,
+    pub(super) rotation: Triple,
     #[serde(default)]
-    translation: Triple,
+    pub(super) translation: Triple,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct TriangleFile {
+pub(super) struct TriangleFile {
     #[serde(deserialize_with = "ron_file::three")]
-    vertices: [Triple; 3],
+    pub(super) vertices: [Triple; 3],
     #[serde(default, deserialize_with = "ron_file::maybe_three")]
-    uvs: Option<[(f64, f64); 3]>,
-    material: Option<String>,
+    pub(super) uvs: Option<[(f64, f64); 3]>,
+    pub(super) material: Option<String>,
     #[serde(default, deserialize_with = "ron_file::maybe_three")]
-    vertex_materials: Option<[String; 3]>,
+    pub(super) vertex_materials: Option<[String; 3]>,
     #[serde(default = "one")]
-    scale: Triple,
+    pub(super) scale: Triple,
     #[serde(default)]
-    rotation: Triple,
+    pub(super) rotation: Triple,
     #[serde(default)]
-    translation: Triple,
+    pub(super) translation: Triple,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct ModelFile {
-    file: String,
-    material: Option<String>,
-    reflective: Option<Triple>,
+pub(super) struct ModelFile {
+    pub(super) file: String,
+    pub(super) material: Option<String>,
+    pub(super) reflective: Option<Triple>,
     #[serde(default = "one")]
-    scale: Triple,
+    pub(super) scale: Triple,
     #[serde(default)]
-    rotation: Triple,
+    pub(super) rotation: Triple,
     #[serde(default)]
-    translation: Triple,
+    pub(super) translation: Triple,
 }
 
-fn one() -> Triple {
+pub(super) fn one() -> Triple {
     (1.0, 1.0, 1.0)
-}
-
-/// Loads a scene file and every file that it names.
-pub fn load_scene(file: &Path, files: &mut InputFiles) -> Result<SceneInput, InputError> {
-    let parsed: SceneFile = ron_file::parse(file, &files.read(file)?)?;
-    let check = Checker { file };
-    if let Err(error) = parsed.settings.check() {
-        return check.refuse(&format!("settings.{}", error.key), error.message);
-    }
-    let mut loader = Loader {
-        file,
-        check,
-        files,
-        builder: SceneBuilder {
-            ambient: check.color("ambient", parsed.ambient, BRIGHTEST)?,
-            background: check.color("background", parsed.background, BRIGHTEST)?,
-            ..SceneBuilder::default()
-        },
-        materials: HashMap::new(),
-        textures: HashMap::new(),
-        texture_files: Vec::new(),
-        models: HashMap::new(),
-        grey: None,
-        warnings: Vec::new(),
-    };
-    for (name, material) in &parsed.materials {
-        loader.add_material(name, material)?;
-    }
-    for (i, light) in parsed.lights.iter().enumerate() {
-        loader.add_light(i, light)?;
-    }
-    for (i, object) in parsed.objects.iter().enumerate() {
-        let key = format!("objects[{i}]");
-        match object {
-            ObjectFile::Sphere(sphere) => loader.add_sphere(&key, sphere)?,
-            ObjectFile::Triangle(triangle) => loader.add_triangle(&key, triangle)?,
-            ObjectFile::Model(model) => loader.add_model(&key, model)?,
-        }
-    }
-    let Loader {
-        builder,
-        texture_files,
-        mut warnings,
-        ..
-    } = loader;
-    let (scene, dropped) = builder.build();
-    if dropped > 0 {
-        warnings.push(format!(
-            "{}: {dropped} triangles without area are left out",
-            file.display()
-        ));
-    }
-    if scene.lights.is_empty() {
-        warnings.push(format!("{}: there are no lights", file.display()));
-    }
-    Ok(SceneInput {
-        scene,
-        settings: parsed.settings,
-        object_count: parsed.objects.len(),
-        texture_files,
-        warnings,
-    })
-}
-
-struct Loader<'a> {
-    file: &'a Path,
-    check: Checker<'a>,
-    files: &'a mut InputFiles,
-    builder: SceneBuilder,
-    /// Numbers of the scene file's materials by name.
-    materials: HashMap<String, usize>,
-    /// Numbers of textures by file.
-    textures: HashMap<PathBuf, usize>,
-    texture_files: Vec<PathBuf>,
-    /// Models that were loaded, by file and by whether their own materials were.
-    models: HashMap<(PathBuf, bool), LoadedModel>,
-    /// What faces without a material are made of, once there are any.
-    grey: Option<usize>,
-    warnings: Vec<String>,
-}
-
-#[derive(Clone)]
-struct LoadedModel {
-    model: Rc<ObjModel>,
-    /// The scene's number of the model's first material; the others follow it.
-    first_material: usize,
-}
-
-impl Loader<'_> {
-    fn add_material(&mut self, name: &str, material: &MaterialFile) -> Result<(), InputError> {
-        let key = |field: &str| format!("materials[\"{name}\"].{field}");
-        let texture = match &material.texture {
-            Some(texture) => {
-                let file = relative_to(self.file, texture);
-                Some(self.texture(file, self.file.to_owned(), &key("texture"))?)
-            }
-            None => None,
-        };
-        let default = if texture.is_some() {
-            one()
-        } else {
-            Triple::default()
-        };
-        let check = self.check;
-        let material = Material {
-            diffuse: check.color(&key("diffuse"), material.diffuse.unwrap_or(default), 1.0)?,
-            texture,
-            specular: check.color(&key("specular"), material.specular, BRIGHTEST)?,
-            shininess: check.range(&key("shininess"), material.shininess, 0.0, 1e6)? as f32,
-            reflective: check.color(&key("reflective"), material.reflective, 1.0)?,
-        };
-        let number = self.new_material(material);
-        self.materials.insert(name.to_owned(), number);
-        Ok(())
-    }
-
-    fn new_material(&mut self, material: Material) -> usize {
-        self.builder.materials.push(material);
-        self.builder.materials.len() - 1
-    }
-
-    fn material(&self, key: &str, name: &str) -> Result<usize, InputError> {
-        if let Some(&number) = self.materials.get(name) {
-            return Ok(number);
-        }
-        let mut names: Vec<&str> = self.materials.keys().map(String::as_str).collect();
-        names.sort_unstable();
-        let there = match names.is_empty() {
-            true => "`materials` is empty".to_owned(),
-            false => format!("`materials` has: {}", names.join(", ")),
-        };
-        self.check
-            .refuse(key, format!("no material is called \"{name}\"; {there}"))
-    }
-
-    fn texture(&mut self, file: PathBuf, from: PathBuf, key: &str) -> Result<usize, InputError> {
-        if let Some(&number) = self.textures.get(&file) {
-            return Ok(number);
-        }
-        let bytes = self.files.read_reference(&file, &from, key)?;
-        let (texture, notice) = texture_file::decode(&file, &bytes)?;
-        if let Some(notice) = notice {
-            self.warnings.push(format!("{}: {notice}", file.display()));
-        }
-        let number = self.builder.textures.len();
-        self.builder.textures.push(texture);
-        self.textures.insert(file.clone(), number);
-        self.texture_files.push(file);
-        Ok(number)
-    }
-
-    fn add_light(&mut self, index: usize, light: &LightFile) -> Result<(), InputError> {
-        let key = |field: &str| format!("lights[{index}].{field}");
-        let position = self.check.vector(&key("position"), light.position)?;
-        let intensity = self
-            .check
-            .color(&key("intensity"), light.intensity, BRIGHTEST)?;
-        let falloff = match light.falloff {
-            FalloffFile::InverseSquare => Falloff::InverseSquare,
-            FalloffFile::Constant => Falloff::Constant,
-        };
-        let light = PointLight {
-            position: Vec3::ZERO,
-            intensity,
-            falloff,
-        };
-        self.builder.lights.push((position, light));
-        Ok(())
-    }
-
-    fn transform(
-        &self,
-        key: &str,
-        scale: Triple,
-        rotation: Triple,
-        translation: Triple,
-    ) -> Result<(Transform, DVec3), InputError> {
-        let field = |name: &str| format!("{key}.{name}");
-        let scale = self.check.vector(&field("scale"), scale)?;
-        if scale.abs().min_element() < 1e-15 {
-            return self
-                .check
-                .refuse(&field("scale"), format!("{scale}: no factor may be 0"));
-        }
-        let degrees = self.check.vector(&field("rotation"), rotation)?;
-        let translation = self.check.vector(&field("translation"), translation)?;
-        let angles = DVec3::from_array(degrees.to_array().map(f64::to_radians));
-        Ok((Transform::new(scale, angles, translation), scale))
-    }
-
-    fn add_sphere(&mut self, key: &str, sphere: &SphereFile) -> Result<(), InputError> {
-        let (transform, scale) =
-            self.transform(key, sphere.scale, sphere.rotation, sphere.translation)?;
-        let factors = scale.abs();
-        if factors.min_element() != factors.max_element() {
-            self.warnings.push(format!(
-                "{}: {key} is scaled unevenly; it stays a sphere, its radius times the largest \
-                 factor {}",
-                self.file.display(),
-                factors.max_element()
-            ));
-        }
-        let center = self.check.vector(&format!("{key}.center"), sphere.center)?;
-        let radius = self
-            .check
-            .positive(&format!("{key}.radius"), sphere.radius)?;
-        let material = self.material(&format!("{key}.material"), &sphere.material)?;
-        let sphere = Sphere {
-            center: transform.point(center),
-            radius: radius * factors.max_element(),
-            rotation: transform.rotation(),
-        };
-        self.builder.spheres.push((sphere, material));
-        Ok(())
-    }
-
-    fn add_triangle(&mut self, key: &str, triangle: &TriangleFile) -> Result<(), InputError> {
-        let (transform, _) =
-            self.transform(key, triangle.scale, triangle.rotation, triangle.translation)?;
-        let mut positions = Vec::new();
-        for (i, vertex) in triangle.vertices.iter().enumerate() {
-            let vertex = self
-                .check
-                .vector(&format!("{key}.vertices[{i}]"), *vertex)?;
-            positions.push(transform.point(vertex));
-        }
-        let mut uvs = Vec::new();
-        for (i, &(u, v)) in triangle.uvs.iter().flatten().enumerate() {
-            let uv = self.check.vector(&format!("{key}.uvs[{i}]"), (u, v, 0.0))?;
-            uvs.push(Vec2::new(uv.x as f32, uv.y as f32));
-        }
-        let material = match (&triangle.material, &triangle.vertex_materials) {
-            (Some(name), None) => {
-                MeshMaterial::Uniform(self.material(&format!("{key}.material"), name)?)
-            }
-            (None, Some(names)) => {
-                let mut corners = [0; 3];
-                for (i, name) in names.iter().enumerate() {
-                    corners[i] = self.material(&format!("{key}.vertex_materials[{i}]"), name)?;
-                }
-                MeshMaterial::PerVertex(corners)
-            }
-            _ => {
-                let message = "give either `material` or `vertex_materials: [a, b, c]`";
-                return self.check.refuse(key, message);
-            }
-        };
-        self.builder.meshes.push(SourceMesh {
-            positions,
-            normals: Vec::new(),
-            uvs,
-            triangles: vec![[0, 1, 2]],
-            material,
-        });
-        Ok(())
-    }
-
-    fn add_model(&mut self, key: &str, object: &ModelFile) -> Result<(), InputError> {
-        let (transform, _) =
-            self.transform(key, object.scale, object.rotation, object.translation)?;
-        let reflective = match object.reflective {
-            Some(rgb) => Some(self.check.color(&format!("{key}.reflective"), rgb, 1.0)?),
-            None => None,
-        };
-        let own = match &object.material {
-            Some(name) => Some(self.material(&format!("{key}.material"), name)?),
-            None => None,
-        };
-        let loaded = self.model(key, &object.file, own.is_none())?;
-        // Copies of materials with the object's own mirror, made once for each.
-        let mut mirrors: HashMap<usize, usize> = HashMap::new();
-        for part in &loaded.model.parts {
-            let mut material = match (own, part.material) {
-                (Some(own), _) => own,
-                (None, Some(index)) => loaded.first_material + index,
-                (None, None) => self.grey(),
-            };
-            if let Some(reflective) = reflective {
-                material = *mirrors.entry(material).or_insert_with(|| {
-                    let copy = self.builder.materials[material].clone();
-                    self.builder.materials.push(Material { reflective, ..copy });
-                    self.builder.materials.len() - 1
-                });
-            }
-            self.builder.meshes.push(SourceMesh {
-                positions: part.positions.iter().map(|&p| transform.point(p)).collect(),
-                normals: part
-                    .normals
-                    .iter()
-                    .map(|&n| transform.normal(n).as_vec3())
-                    .collect(),
-                uvs: part.uvs.clone(),
-                triangles: part.triangles.clone(),
-                material: MeshMaterial::Uniform(material),
-            });
-        }
-        Ok(())
-    }
-
-    fn model(
-        &mut self,
-        key: &str,
-        name: &str,
-        with_materials: bool,
-    ) -> Result<LoadedModel, InputError> {
-        let file = relative_to(self.file, name);
-        let id = (file.clone(), with_materials);
-        if let Some(loaded) = self.models.get(&id) {
-            return Ok(loaded.clone());
-        }
-        let bytes = self
-            .files
-            .read_reference(&file, self.file, &format!("{key}.file"))?;
-        let mut model = obj::load(&file, &bytes, with_materials, self.files)?;
-        self.warnings.append(&mut model.warnings);
-        let mut resolved = Vec::new();
-        for material in &model.materials {
-            let texture = match &material.texture {
-                Some(t) => Some(self.texture(t.file.clone(), t.library.clone(), &t.key)?),
-                None => None,
-            };
-            resolved.push(Material {
-                diffuse: material.diffuse,
-                texture,
-                specular: material.specular,
-                shininess: material.shininess,
-                reflective: material.reflective,
-            });
-        }
-        let loaded = LoadedModel {
-            model: Rc::new(model),
-            first_material: self.builder.materials.len(),
-        };
-        self.builder.materials.append(&mut resolved);
-        self.models.insert(id, loaded.clone());
-        Ok(loaded)
-    }
-
-    fn grey(&mut self) -> usize {
-        if let Some(number) = self.grey {
-            return number;
-        }
-        let number = self.new_material(Material {
-            diffuse: Vec3::splat(0.8),
-            texture: None,
-            specular: Vec3::ZERO,
-            shininess: 0.0,
-            reflective: Vec3::ZERO,
-        });
-        self.grey = Some(number);
-        number
-    }
 }

@@ -110,19 +110,12 @@ impl Estimator<'_> {
                 diffuse_bounces: path.diffuse_bounces + 1,
                 index: path.index.wrapping_mul(count).wrapping_add(i),
             };
-            if mirror_chance > 0.0
-                && self.sequence.sample_1d(next.index, next.depth) < mirror_chance
-            {
+            let by_mirror = mirror_chance > 0.0
+                && self.sequence.sample_1d(next.index, next.depth) < mirror_chance;
+            if by_mirror {
+                let index = next.index;
                 let weight = mirror / mirror_chance;
-                sum += self.follow_mirror(
-                    ray,
-                    surface,
-                    weight,
-                    Path {
-                        index: next.index,
-                        ..path
-                    },
-                );
+                sum += self.follow_mirror(ray, surface, weight, Path { index, ..path });
                 continue;
             }
             let [u, v] = self.sequence.sample_2d(next.index, next.depth);

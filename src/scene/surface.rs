@@ -128,11 +128,10 @@ fn offset(position: Vec3, normal: Vec3, magnitude: f32) -> f32 {
 }
 
 impl Surface {
-    /// A ray that leaves the surface in `direction`, on either side.
+    /// A ray that leaves the surface on the viewer's side.
     pub fn leave(&self, direction: Vec3) -> Ray {
-        let side = self.offset.copysign(self.geometric_normal.dot(direction));
         Ray {
-            origin: self.position + self.geometric_normal * side,
+            origin: self.position + self.geometric_normal * self.offset,
             direction,
             t_max: f32::INFINITY,
             exclude: self.exclude,

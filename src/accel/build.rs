@@ -5,7 +5,7 @@
 use super::kernel::Kernel;
 use super::node::{Child, Node};
 use super::triangle_block::TriangleBlock;
-use super::{Bvh, WIDTH};
+use super::{Bvh, MAX_DEPTH, WIDTH};
 use crate::geometry::Sphere;
 use crate::math::Aabb;
 use glam::Vec3;
@@ -13,11 +13,9 @@ use glam::Vec3;
 /// Candidate planes between bins, along each axis.
 const BINS: usize = 16;
 
-/// From this depth on nodes are halved by number, which bounds the depth of any tree.
-const MAX_SAH_DEPTH: u32 = 48;
-
-/// No leaf lies deeper: there are fewer than 2^31 primitives to be halved.
-pub(super) const MAX_DEPTH: usize = MAX_SAH_DEPTH as usize + 31;
+/// From this depth on nodes are halved by number, which bounds the depth of any tree: there are
+/// fewer than 2^31 primitives to be halved.
+const MAX_SAH_DEPTH: usize = MAX_DEPTH - 31;
 
 pub(super) fn build(triangles: &[[Vec3; 3]], spheres: Vec<Sphere>, kernel: Kernel) -> Bvh {
     let first_sphere = triangles.len() as u32;
@@ -71,7 +69,7 @@ enum Kind {
     Leaf(Vec<u32>),
 }
 
-fn split(primitives: &mut [Primitive], first_sphere: u32, depth: u32) -> Tree {
+fn split(primitives: &mut [Primitive], first_sphere: u32, depth: usize) -> Tree {
     let bounds = primitives
         .iter()
         .fold(Aabb::EMPTY, |b, p| b.union(p.bounds));

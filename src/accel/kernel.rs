@@ -5,9 +5,9 @@
 )]
 
 use super::Bvh;
-use super::build::MAX_DEPTH;
 use super::node::{BoxRay, Child, PADDING};
 use super::simd::{F32x8, Portable};
+use super::stack::Stack;
 use super::triangle_block::{ShearedRay, is_before};
 use crate::geometry::Hit;
 use crate::math::{NO_PRIMITIVE, Ray};
@@ -66,63 +66,6 @@ mod avx2 {
     }
 }
 
-/// What is still to be visited: children with the distance at which the ray enters them, packed
-/// so that nearer ones are smaller numbers.
-///
-/// Indices wrap, so no access needs a check; the builder bounds the depth of trees so that they
-/// never do.
-#[derive(Debug)]
-pub(super) struct Stack {
-    entries: Box<[u64; STACK_SIZE]>,
-    len: usize,
-}
-
-/// A node leaves at most seven children behind when the walk goes down one level.
-const STACK_SIZE: usize = 1024;
-const _: () = assert!(STACK_SIZE > 7 * MAX_DEPTH && STACK_SIZE.is_power_of_two());
-
-impl Default for Stack {
-    fn default() -> Stack {
-        Stack {
-            entries: Box::new([0; STACK_SIZE]),
-            len: 0,
-        }
-    }
-}
-
-impl Stack {
-    #[inline(always)]
-    fn push(&mut self, near: f32, child: u32) {
-        // Distances are not negative, so their bits order like numbers.
-        let entry = u64::from(near.to_bits()) << 32 | u64::from(child);
-        self.entries[self.len % STACK_SIZE] = entry;
-        self.len += 1;
-    }
-
-    /// Pushes a child below all those after `first` that are nearer.
-    #[inline(always)]
-    fn insert(&mut self, first: usize, near: f32, child: u32) {
-        let entry = u64::from(near.to_bits()) << 32 | u64::from(child);
-        let mut place = self.len;
-        while place > first && self.entries[(place - 1) % STACK_SIZE] < entry {
-            self.entries[place % STACK_SIZE] = self.entries[(place - 1) % STACK_SIZE];
-            place -= 1;
-        }
-        self.entries[place % STACK_SIZE] = entry;
-        self.len += 1;
-    }
-
-    #[inline(always)]
-    fn pop(&mut self) -> Option<(f32, u32)> {
-        if self.len == 0 {
-            return None;
-        }
-        self.len -= 1;
-        let entry = self.entries[self.len % STACK_SIZE];
-        Some((f32::from_bits((entry >> 32) as u32), entry as u32))
-    }
-}
-
 /// The root is node 0.
 const ROOT: u32 = 0;
 
@@ -136,7 +79,7 @@ fn walk_closest<V: F32x8>(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> Option<Hit
     };
     // Boxes entered behind this hold nothing better: `best`, grown by what entries are rounded.
     let mut limit = f32::MAX;
-    stack.len = 0;
+    stack.clear();
     stack.push(0.0, ROOT);
     while let Some((near, child)) = stack.pop() {
         if near > limit {
@@ -146,7 +89,7 @@ fn walk_closest<V: F32x8>(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> Option<Hit
             Child::Node(index) => {
                 let node = &bvh.nodes[index as usize];
                 let (near, mut entered) = node.enter::<V>(&box_ray, limit);
-                let first = stack.len;
+                let first = stack.len();
                 while entered != 0 {
                     let lane = entered.trailing_zeros() as usize;
                     entered &= entered - 1;
@@ -179,7 +122,7 @@ fn walk_occluded<V: F32x8>(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> bool {
     let box_ray = BoxRay::new(ray);
     let sheared_ray = ShearedRay::new(ray);
     let limit = ray.t_max * PADDING;
-    stack.len = 0;
+    stack.clear();
     stack.push(0.0, ROOT);
     while let Some((_, child)) = stack.pop() {
         let found = match Child::unpack(child) {

@@ -12,17 +12,22 @@ mod build;
 mod kernel;
 mod node;
 mod simd;
+mod stack;
 mod triangle_block;
 
 use crate::geometry::{Hit, Sphere};
 use crate::math::{Aabb, Ray};
 use glam::Vec3;
-use kernel::{Kernel, Stack};
+use kernel::Kernel;
 use node::Node;
+use stack::Stack;
 use triangle_block::TriangleBlock;
 
 /// Eight children, or eight triangles, are tested at once.
 const WIDTH: usize = 8;
+
+/// No leaf lies deeper in a tree.
+const MAX_DEPTH: usize = 79;
 
 /// Triangles and spheres arranged for ray queries.
 #[derive(Debug)]

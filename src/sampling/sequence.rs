@@ -60,7 +60,7 @@ fn owen_scramble(value: u32, seed: u32) -> u32 {
 /// it. Laine and Karras 2011's form with the constants of N. Vegdahl 2021, "Building a Better LK
 /// Hash". `seed` is hashed already.
 fn scramble_reversed(mut value: u32, seed: u32) -> u32 {
-    value = value.wrapping_add(seed);
+    value = value.wrapping_add(hash(seed));
     value ^= value.wrapping_mul(0x6c50_b47c);
     value ^= value.wrapping_mul(0xb82f_1e52);
     value ^= value.wrapping_mul(0xc7af_e638);

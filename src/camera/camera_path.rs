@@ -135,7 +135,9 @@ impl CameraPath {
         let position = self.positions.at(time);
         let rotation = match &self.aim {
             Aim::Points(points) => look_at(position, points.at(time), frame, time)?,
-            Aim::Rotations(times, rotations) => DMat3::from_quat(slerp(times, rotations, time)),
+            Aim::Rotations(times, rotations) => {
+                DMat3::from_quat(rotation_at(times, rotations, time))
+            }
         };
         Ok(Camera {
             position,
@@ -196,11 +198,23 @@ fn look_at(position: DVec3, target: DVec3, frame: u32, time: f64) -> Result<DMat
     Ok(DMat3::from_cols(right, backward.cross(right), backward))
 }
 
-fn slerp(times: &[f64], rotations: &[DQuat], time: f64) -> DQuat {
+fn rotation_at(times: &[f64], rotations: &[DQuat], time: f64) -> DQuat {
     match find_segment(times, time) {
         Segment::Key(key) => rotations[key],
-        Segment::Between(i, s) => rotations[i].slerp(rotations[i + 1], s),
+        Segment::Between(i, s) => slerp(rotations[i], rotations[i + 1], s),
     }
+}
+
+/// Turns evenly from `a` to `b`, which are in the same half of the sphere (Shoemake 1985, "Animating
+/// Rotation with Quaternion Curves"). With functions that are the same on every machine.
+fn slerp(a: DQuat, b: DQuat, s: f64) -> DQuat {
+    let angle = libm::acos(a.dot(b).min(1.0));
+    // So near each other a straight line is as even, and sin(angle) is not divided by.
+    if angle < 1e-6 {
+        return a.lerp(b, s);
+    }
+    let weight = |part: f64| libm::sin(part * angle) / libm::sin(angle);
+    (a * weight(1.0 - s) + b * weight(s)).normalize()
 }
 
 impl<T: super::curve::Value> Track<T> {
@@ -281,9 +295,14 @@ mod tests {
             key(0.0, DVec3::ZERO, aim(10.0)),
             key(1.0, DVec3::ZERO, aim(350.0)),
         ];
-        let camera = path(Interpolation::CatmullRom, &keys)
+        let path = path(Interpolation::CatmullRom, &keys).expect("two keys");
+        let quarter = DQuat::from_rotation_y(5.0_f64.to_radians()) * DVec3::NEG_Z;
+        // A quarter of the way from 10 to -10 degrees, at an even pace.
+        let early = CameraPath::new(8.0, Interpolation::Linear, &keys)
             .expect("two keys")
-            .camera(5);
+            .camera(2);
+        assert!((early.rotation * DVec3::NEG_Z - quarter).length() < 1e-12);
+        let camera = path.camera(5);
         assert!((camera.rotation * DVec3::NEG_Z - DVec3::NEG_Z).length() < 1e-12);
     }
 

@@ -29,9 +29,9 @@ filter() { # filter OUTPUT GRAPH INPUT...
     ffmpeg -nostdin -v error -y "${inputs[@]}" -filter_complex "$graph" -frames:v 1 -update 1 \
         "$pictures/$output"
 }
-sheet() { # sheet OUTPUT FRAMES EVERY: 4 x 3 frames
+sheet() { # sheet OUTPUT FRAMES LAST: 12 frames from 0 to LAST
     ffmpeg -nostdin -v error -y -framerate 24 -i "$videos/$2/frame_%05d.png" -frames:v 1 -update 1 \
-        -vf "select='not(mod(n,$3))',scale=320:-2,tile=4x3:padding=4" "$pictures/$1"
+        -vf "select='lt(mod(n*11,$3),11)',scale=320:-2,tile=4x3:padding=4" "$pictures/$1"
 }
 
 still test test test --mode supersampling
@@ -48,18 +48,18 @@ filter edge.png "[0]$edge[a];[1]$edge[b];[a]pad=iw+8[a];[a][b]hstack" \
     "$work/rough.png" "$work/test2.png"
 
 # Green light on the white wall, in the corner behind the sphere.
-still direct test2 zoom --mode raytracing --samples 16 --frames 0 --size 960x540
-still gathered test2 zoom --mode montecarlo --samples 16 --frames 0 --size 960x540
-corner='crop=400:400:400:40'
+still direct test2 zoom --mode raytracing --samples 8 --frames 0 --size 720x405
+still gathered test2 zoom --mode montecarlo --samples 8 --frames 0 --size 720x405
+corner='crop=400:340:250:20'
 filter bleeding.png "[0]$corner,pad=iw+8[a];[1]$corner[b];[a][b]hstack" \
     "$work/direct.png" "$work/gathered.png"
 
 # Two shadows and their darker overlap.
-still test3 test3 test3 --mode montecarlo --samples 16 --frames 0
+still test3 test3 test3 --mode montecarlo --samples 4 --frames 0
 filter test3.png null "$work/test3.png"
 
-sheet translate_rotate.png translate_rotate 20
-sheet zoom.png zoom 5
+sheet translate_rotate.png translate_rotate 240
+sheet zoom.png zoom 54
 still gallery gallery gallery --frames 66 --size 960x540
 filter gallery.png null "$work/gallery.png"
 echo "$pictures:"

@@ -45,10 +45,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
         rounded(first.position),
         rounded(last.position)
     );
-    println!(
-        "mode       {}",
-        settings.mode.unwrap_or(crate::input::Mode::Raytracing)
-    );
+    println!("mode       {}", settings.mode.unwrap_or_default());
     println!("size       {}x{}", resolved.width, resolved.height);
     warn(&input.warnings);
     let warnings = input.warnings.len();

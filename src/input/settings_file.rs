@@ -6,10 +6,11 @@ use std::str::FromStr;
 use thiserror::Error;
 
 /// How frames are rendered.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "String")]
 pub enum Mode {
     /// Direct light, ambient light, mirrors.
+    #[default]
     Raytracing,
     /// The same with four samples, in the pixel's corners.
     Supersampling,
@@ -136,7 +137,7 @@ impl Settings {
     /// The settings of frames, with defaults for what nothing says: raytracing, 1280 x 720,
     /// 4 bounces, 32 paths from the first diffuse bounce, seed 0.
     pub fn resolve(&self) -> RenderSettings {
-        let mode = self.mode.unwrap_or(Mode::Raytracing);
+        let mode = self.mode.unwrap_or_default();
         let (width, height) = self.size.unwrap_or((1280, 720));
         let bounces = self.bounces.unwrap_or(4);
         let integrator = match mode {

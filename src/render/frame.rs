@@ -136,18 +136,11 @@ impl Grid {
         tile_done: &(dyn Fn(u64) + Sync),
         point: impl Fn(u32, u32, &mut Work) -> Vec3 + Sync,
     ) -> GridValues {
-        let columns = u64::from(self.width.div_ceil(TILE));
         let tiles: Vec<(Vec<Vec3>, Work)> = (0..self.tiles())
             .into_par_iter()
             .map(|tile| {
                 let mut work = Work::default();
-                let (x0, y0) = (
-                    (tile % columns) as u32 * TILE,
-                    (tile / columns) as u32 * TILE,
-                );
-                let values = self
-                    .tile_points(x0, y0)
-                    .map(|(x, y)| point(x, y, &mut work));
+                let values = self.tile_points(tile).map(|(x, y)| point(x, y, &mut work));
                 let values = values.collect();
                 tile_done(work.traversal.rays);
                 (values, work)
@@ -159,11 +152,7 @@ impl Grid {
             non_finite: 0,
         };
         for (tile, (values, work)) in (0..).zip(tiles) {
-            let (x0, y0) = (
-                (tile % columns) as u32 * TILE,
-                (tile / columns) as u32 * TILE,
-            );
-            for ((x, y), value) in self.tile_points(x0, y0).zip(values) {
+            for ((x, y), value) in self.tile_points(tile).zip(values) {
                 all.values[y as usize * self.width as usize + x as usize] = value;
             }
             all.rays += work.traversal.rays;
@@ -172,7 +161,11 @@ impl Grid {
         all
     }
 
-    fn tile_points(self, x0: u32, y0: u32) -> impl Iterator<Item = (u32, u32)> {
+    /// The points of a tile, row by row.
+    fn tile_points(self, tile: u64) -> impl Iterator<Item = (u32, u32)> {
+        let tiles_per_row = u64::from(self.width.div_ceil(TILE));
+        let x0 = (tile % tiles_per_row) as u32 * TILE;
+        let y0 = (tile / tiles_per_row) as u32 * TILE;
         let columns = x0..(x0 + TILE).min(self.width);
         let rows = y0..(y0 + TILE).min(self.height);
         rows.flat_map(move |y| columns.clone().map(move |x| (x, y)))

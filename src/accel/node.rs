@@ -1,7 +1,11 @@
 use super::WIDTH;
-use super::simd::F32x8;
+use super::simd::Floats;
+use super::watertight::reach;
 use crate::math::{Aabb, Ray};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
+
+/// The node that holds all.
+pub(super) const ROOT: u32 = 0;
 
 /// A word that says what a child is: two bits of kind, thirty of index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +21,15 @@ impl Child {
             Child::Node(index) => index << 2,
             Child::Triangles(index) => index << 2 | 1,
             Child::Sphere(index) => index << 2 | 2,
+        }
+    }
+
+    /// The same child after `nodes` nodes and `blocks` blocks were put before.
+    pub(super) fn shifted(self, nodes: u32, blocks: u32) -> Child {
+        match self {
+            Child::Node(index) => Child::Node(index + nodes),
+            Child::Triangles(index) => Child::Triangles(index + blocks),
+            Child::Sphere(index) => Child::Sphere(index),
         }
     }
 
@@ -38,7 +51,7 @@ impl Child {
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    planes: [[f32; WIDTH]; 6],
+    pub(super) planes: [[f32; WIDTH]; 6],
     pub(super) children: [u32; WIDTH],
 }
 
@@ -49,73 +62,105 @@ impl Node {
             children: [0; WIDTH],
         };
         for lane in 0..WIDTH {
-            let bounds = children.get(lane).map_or(Aabb::EMPTY, |c| c.0);
+            let child = children.get(lane);
+            let bounds = child.map_or(Aabb::EMPTY, |c| c.0);
             for axis in 0..3 {
                 node.planes[axis][lane] = bounds.min[axis];
                 node.planes[axis + 3][lane] = bounds.max[axis];
             }
-            if let Some((_, child)) = children.get(lane) {
+            if let Some((_, child)) = child {
                 node.children[lane] = child.pack();
             }
         }
         node
     }
 
-    /// Where the ray enters each box, and a bit for each box that it enters within `0..=t_max`.
+    /// The box of a child; empty where there is none.
+    pub(super) fn bounds(&self, lane: usize) -> Aabb {
+        let corner = |first: usize| {
+            Vec3::new(
+                self.planes[first][lane],
+                self.planes[first + 1][lane],
+                self.planes[first + 2][lane],
+            )
+        };
+        Aabb {
+            min: corner(0),
+            max: corner(3),
+        }
+    }
+
+    /// Renumbers children after `nodes` nodes and `blocks` blocks were put before.
+    pub(super) fn shift(&mut self, nodes: u32, blocks: u32) {
+        for word in &mut self.children {
+            *word = Child::unpack(*word).shifted(nodes, blocks).pack();
+        }
+    }
+
+    /// A number no greater than where the ray enters each box, and one no less than where it leaves;
+    /// the first is greater for a box that it does not enter within `0..=t_max`.
     #[inline(always)]
-    pub(super) fn enter<V: F32x8>(&self, ray: &BoxRay, t_max: f32) -> ([f32; WIDTH], u32) {
+    pub(super) fn enter<V: Floats<WIDTH>>(&self, ray: &BoxRay, t_max: f32) -> (V, V) {
         let mut near = V::splat(0.0);
         let mut far = V::splat(t_max);
         for axis in 0..3 {
-            let origin = V::splat(ray.origin[axis]);
             let inverse = V::splat(ray.inverse[axis]);
-            let entry = V::load(&self.planes[ray.near[axis]]).sub(origin);
-            let exit = V::load(&self.planes[ray.far[axis]]).sub(origin);
-            near = entry.mul(inverse).max(near);
-            far = exit.mul(inverse).mul(V::splat(PADDING)).min(far);
+            let entry = V::load(&self.planes[ray.near[axis]]);
+            let exit = V::load(&self.planes[ray.far[axis]]);
+            near = entry
+                .mul_sub(inverse, V::splat(ray.near_offset[axis]))
+                .max(near);
+            far = exit
+                .mul_sub(inverse, V::splat(ray.far_offset[axis]))
+                .min(far);
         }
-        (near.store(), near.le(far))
+        (near, far)
     }
 }
 
-/// Each distance to a plane carries three roundings: growing the exit by more than twice that
-/// much never misses a box that the exact ray enters (Ize 2013, "Robust BVH Ray Traversal",
-/// JCGT 2(2)).
-pub(super) const PADDING: f32 = 1.0 + 4.0 * f32::EPSILON;
+/// Boxes are grown by this share of the largest coordinates that rays and boxes have: more than
+/// triangles are ([`TRIANGLE_GROWTH`](super::watertight::TRIANGLE_GROWTH)), by at least twice the
+/// rounding of the box test itself (three operations for each plane, after Ize 2013, "Robust BVH Ray
+/// Traversal", JCGT 2(2)).
+pub(super) const GROWTH: f32 = 16.0 * f32::EPSILON;
 
-/// What the box test needs of a ray.
+/// Components of a direction that are smaller, as a share of the largest, count as this much: their
+/// reciprocals would overflow. Such a ray leaves its plane by less than boxes are grown.
+pub(super) const SMALLEST: f32 = 1e-18;
+
+/// What the box test needs of a ray: t = plane * inverse - offset.
 pub(super) struct BoxRay {
-    origin: Vec3,
     inverse: Vec3,
+    /// The origin's part of t where the ray enters a box that is grown, and where it leaves.
+    near_offset: Vec3,
+    far_offset: Vec3,
     /// The plane through which the ray enters a box, for each axis, and through which it leaves.
     near: [usize; 3],
     far: [usize; 3],
 }
 
 impl BoxRay {
-    pub(super) fn new(ray: &Ray) -> BoxRay {
-        let d = ray.direction;
-        let inverse = Vec3::new(invert(d.x), invert(d.y), invert(d.z));
+    /// `magnitude` bounds the boxes' coordinates.
+    pub(super) fn new(ray: &Ray, magnitude: f32) -> BoxRay {
+        // Four lanes, of which the last does not matter: one division in place of three.
+        let (d, origin) = (ray.direction.extend(0.0), ray.origin.extend(0.0));
+        let size = d.abs();
+        let smallest = Vec4::splat(SMALLEST * size.max_element());
+        let d = Vec4::select(size.cmplt(smallest), smallest.copysign(d), d);
+        let inverse = Vec4::ONE / d;
+        let growth = GROWTH * reach(ray, magnitude);
+        let (center, grown) = (origin * inverse, growth * inverse.abs());
         // The planes of least coordinates come first, those of greatest three after.
-        let near = |axis: usize| axis + 3 * usize::from(inverse[axis] < 0.0);
-        let far = |axis: usize| axis + 3 * usize::from(inverse[axis] >= 0.0);
+        let down = inverse.is_negative_bitmask();
+        let near = |axis: u32| (axis + 3 * (down >> axis & 1)) as usize;
+        let far = |axis: u32| (axis + 3 - 3 * (down >> axis & 1)) as usize;
         BoxRay {
-            origin: ray.origin,
-            inverse,
+            inverse: inverse.truncate(),
+            near_offset: (center + grown).truncate(),
+            far_offset: (center - grown).truncate(),
             near: [near(0), near(1), near(2)],
             far: [far(0), far(1), far(2)],
         }
-    }
-}
-
-/// The reciprocal of a component; of zero, a number so large that a ray inside a slab's plane gets
-/// 0 * large = 0, where 0 * inf would be NaN.
-fn invert(component: f32) -> f32 {
-    const SMALLEST: f32 = 1e-30;
-    1.0 / if component.abs() < SMALLEST {
-        SMALLEST.copysign(component)
-    } else {
-        component
     }
 }
 

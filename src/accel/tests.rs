@@ -1,13 +1,14 @@
 //! Against brute force in double precision, on random and on hostile scenes, for every kernel.
 
+use super::node::Child;
 use super::*;
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DVec3, Vec3Swizzles};
 
 /// A small generator, so that every run tests the same rays.
-struct Random(u64);
+pub(super) struct Random(pub(super) u64);
 
 impl Random {
-    fn unit(&mut self) -> f32 {
+    pub(super) fn unit(&mut self) -> f32 {
         self.0 = self
             .0
             .wrapping_mul(6_364_136_223_846_793_005)
@@ -15,12 +16,12 @@ impl Random {
         (self.0 >> 40) as f32 / (1 << 24) as f32
     }
 
-    fn vector(&mut self, size: f32) -> Vec3 {
+    pub(super) fn vector(&mut self, size: f32) -> Vec3 {
         Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0 * size
     }
 }
 
-fn sphere(center: Vec3, radius: f64) -> Sphere {
+pub(super) fn sphere(center: Vec3, radius: f64) -> Sphere {
     Sphere {
         center: center.as_dvec3(),
         radius,
@@ -47,9 +48,11 @@ fn triangle_oracle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<(f64, f64)> {
 }
 
 fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
-    for kernel in [Kernel::Portable, Kernel::detect()] {
+    for kernel in Kernel::available() {
         let bvh = build::build(triangles, spheres.to_vec(), kernel);
+        assert_eq!(bvh.validate(), Ok(()));
         let mut traversal = Traversal::default();
+        check_packets(&bvh, rays);
         for ray in rays {
             let hit = bvh.closest(ray, &mut traversal);
             check_against_oracle(triangles, spheres, ray, hit);
@@ -60,6 +63,39 @@ fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
                 let expected = hit.is_some_and(|h| h.t < f64::from(t_max));
                 assert_eq!(bvh.occluded(&shadow, &mut traversal), expected, "{ray:?}");
             }
+        }
+    }
+}
+
+/// Rays of a packet find what they find alone: as they come, and side by side.
+pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
+    let mut traversal = Traversal::default();
+    let beside = |ray: &Ray, i: usize| {
+        let turned = ray.direction + ray.direction.yzx() * (i as f32 * 1e-3);
+        Ray::new(ray.origin, turned)
+    };
+    let beside: Vec<Ray> = rays
+        .iter()
+        .step_by(8)
+        .flat_map(|ray| (0..PACKET).map(move |i| beside(ray, i)))
+        .collect();
+    for rays in rays.chunks(PACKET).chain(beside.chunks(PACKET)) {
+        let mut hits = vec![None; rays.len()];
+        bvh.closest_of_packet(rays, &mut hits, &mut traversal);
+        for (ray, hit) in rays.iter().zip(&hits) {
+            assert_eq!(*hit, bvh.closest(ray, &mut traversal), "{ray:?}");
+        }
+        let shadow_rays: Vec<Ray> = (0..)
+            .zip(rays.iter().zip(&hits))
+            .map(|(i, (ray, hit))| Ray {
+                t_max: hit.map_or(1e30, |h| h.t as f32) * [0.5, 1.0, 2.0][i % 3],
+                ..*ray
+            })
+            .collect();
+        let mut occluded = vec![false; rays.len()];
+        bvh.occluded_of_packet(&shadow_rays, &mut occluded, &mut traversal);
+        for (ray, occluded) in shadow_rays.iter().zip(occluded) {
+            assert_eq!(occluded, bvh.occluded(ray, &mut traversal), "{ray:?}");
         }
     }
 }
@@ -233,7 +269,7 @@ fn no_ray_escapes_a_closed_mesh_through_its_edges() {
             .iter()
             .map(|f| f.map(|i| place(vertices[i])))
             .collect();
-        for kernel in [Kernel::Portable, Kernel::detect()] {
+        for kernel in Kernel::available() {
             let bvh = build::build(&triangles, vec![], kernel);
             let mut traversal = Traversal::default();
             let mut random = Random(5);
@@ -295,4 +331,48 @@ fn icosphere(levels: usize) -> (Vec<DVec3>, Vec<[usize; 3]>) {
         faces = finer;
     }
     (vertices, faces)
+}
+
+#[test]
+fn validation_finds_faults() {
+    let mut random = Random(6);
+    let triangles: Vec<_> = (0..200)
+        .map(|_| {
+            let at = random.vector(10.0);
+            [at, at + random.vector(1.0), at + random.vector(1.0)]
+        })
+        .collect();
+    let sound = || Bvh::new(&triangles, vec![]);
+    assert_eq!(sound().validate(), Ok(()));
+
+    let mut small = sound();
+    small.nodes[0].planes[0] = small.nodes[0].planes[0].map(|x| x + 0.01);
+    let fault = small.validate();
+    assert!(
+        matches!(fault, Err(TreeFault::Outside { node: 0, .. })),
+        "{fault:?}"
+    );
+
+    let mut lost = sound();
+    lost.nodes[0].planes[0][1] = f32::INFINITY;
+    for axis in 0..3 {
+        lost.nodes[0].planes[axis][1] = f32::INFINITY;
+        lost.nodes[0].planes[axis + 3][1] = f32::NEG_INFINITY;
+    }
+    let fault = lost.validate();
+    assert!(
+        matches!(fault, Err(TreeFault::Primitive { leaves: 0, .. })),
+        "{fault:?}"
+    );
+
+    let mut dangling = sound();
+    dangling.nodes[0].children[0] = Child::Triangles(1 << 20).pack();
+    let expected = TreeFault::Dangling { node: 0, lane: 0 };
+    assert_eq!(dangling.validate(), Err(expected));
+
+    let mut endless = sound();
+    let last = endless.nodes.len() - 1;
+    endless.nodes[last].children = [Child::Node(last as u32).pack(); 8];
+    let fault = endless.validate();
+    assert!(matches!(fault, Err(TreeFault::TooDeep { .. })), "{fault:?}");
 }

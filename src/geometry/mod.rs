@@ -12,4 +12,4 @@ pub use hit::Hit;
 pub use mesh::{Corners, Mesh};
 pub use sphere::Sphere;
 pub use transform::Transform;
-pub use triangle::plane_distance;
+pub use triangle::TrianglePlane;

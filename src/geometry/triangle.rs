@@ -1,16 +1,68 @@
-use crate::math::Ray;
 use glam::{DVec3, Vec3};
 
-/// The parameter at which the ray's line meets the triangle's plane, in double precision, where
-/// the rounding of a few operations on single-precision corners does not show. Not finite for a
-/// ray in the plane.
-///
-/// It says nothing of the triangle's edges.
-#[inline]
-pub fn plane_distance(ray: &Ray, corners: [Vec3; 3]) -> f64 {
-    let a = corners[0].as_dvec3();
-    let normal = normal(corners);
-    normal.dot(a - ray.origin.as_dvec3()) / normal.dot(ray.direction.as_dvec3())
+/// Where lines meet a triangle that they are known to pass through, in double precision, where the
+/// rounding of a few operations on single-precision corners does not show.
+#[derive(Clone, Copy, Debug)]
+pub struct TrianglePlane {
+    point: DVec3,
+    normal: DVec3,
+    /// The triangle's box.
+    min: DVec3,
+    max: DVec3,
+}
+
+impl TrianglePlane {
+    /// The plane through three corners.
+    #[inline(always)]
+    pub fn through([a, b, c]: [Vec3; 3]) -> TrianglePlane {
+        TrianglePlane {
+            point: a.as_dvec3(),
+            normal: normal([a, b, c]),
+            min: a.min(b).min(c).as_dvec3(),
+            max: a.max(b).max(c).as_dvec3(),
+        }
+    }
+
+    /// The parameter at which a line meets the plane. Not finite for a line in the plane.
+    #[inline(always)]
+    pub fn distance(&self, origin: DVec3, direction: DVec3) -> f64 {
+        self.normal.dot(self.point - origin) / self.normal.dot(direction)
+    }
+
+    /// How far a point is outside the triangle's box along the axis where it is farthest; not above 0
+    /// for a point inside.
+    #[inline(always)]
+    pub fn outside(&self, point: DVec3) -> f64 {
+        let (below, above) = (self.min - point, point - self.max);
+        let larger = |a: f64, b: f64| if a > b { a } else { b };
+        let x = larger(below.x, above.x);
+        let y = larger(below.y, above.y);
+        larger(larger(below.z, above.z), larger(x, y))
+    }
+
+    /// In place of the distance `t` where it gives a point outside the triangle's box, grown by `growth`
+    /// on all sides: the nearest one inside; NaN if the line passes by the box.
+    ///
+    /// So what is found does not depend on which larger boxes are looked into, in which order, be the
+    /// plane as steep as it may.
+    #[cold]
+    #[inline(never)]
+    pub fn distance_in_box(&self, origin: DVec3, direction: DVec3, growth: f64, t: f64) -> f64 {
+        let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in 0..3 {
+            let inverse = 1.0 / direction[axis];
+            let low = (self.min[axis] - growth - origin[axis]) * inverse;
+            let high = (self.max[axis] + growth - origin[axis]) * inverse;
+            // NaN, which a line inside a box's side gives, counts for nothing here.
+            near = near.max(low.min(high));
+            far = far.min(low.max(high));
+        }
+        if near <= far && t.is_finite() {
+            t.clamp(near, far)
+        } else {
+            f64::NAN
+        }
+    }
 }
 
 /// The weights of the second and the third corner at a point of the triangle's plane, clamped to
@@ -52,11 +104,36 @@ mod tests {
         );
     }
 
+    fn distance(origin: Vec3, direction: Vec3) -> f64 {
+        let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
+        let plane = TrianglePlane::through(CORNERS);
+        let t = plane.distance(origin, direction);
+        if plane.outside(origin + t * direction) <= 1e-6 {
+            t
+        } else {
+            plane.distance_in_box(origin, direction, 1e-6, t)
+        }
+    }
+
     #[test]
     fn distance_to_the_plane_in_lengths_of_the_direction() {
-        let ray = Ray::new(Vec3::new(2.0, 0.5, 3.0), Vec3::new(0.0, 0.0, -0.5));
-        assert_eq!(plane_distance(&ray, CORNERS), 6.0);
-        let inside = Ray::new(Vec3::new(2.0, 0.5, 0.0), Vec3::X);
-        assert!(!plane_distance(&inside, CORNERS).is_finite());
+        let down = Vec3::new(0.0, 0.0, -0.5);
+        assert_eq!(distance(Vec3::new(2.0, 0.5, 3.0), down), 6.0);
+        assert_eq!(distance(Vec3::new(2.0, 0.5, -3.0), down), -6.0);
+        assert!(distance(Vec3::new(2.0, 0.5, 0.0), Vec3::X).is_nan());
+    }
+
+    #[test]
+    fn only_lines_through_the_box_meet_the_triangle() {
+        let down = Vec3::new(0.0, 0.0, -0.5);
+        assert!(distance(Vec3::new(0.9, 0.5, 3.0), down).is_nan());
+        assert!(distance(Vec3::new(2.0, 2.1, 3.0), down).is_nan());
+        // On the side of the box.
+        assert_eq!(distance(Vec3::new(1.0, 0.5, 3.0), down), 6.0);
+        // Past the corner at (5, 0, 0), in the box all the same; and so steep that the plane is met
+        // only far behind it: there it leaves the grown box.
+        assert_eq!(distance(Vec3::new(5.0, 2.0, 3.0), down), 6.0);
+        let steep = distance(Vec3::new(0.0, 0.5, 5e-7), Vec3::new(1.0, 0.0, -1e-9));
+        assert!((steep - 5.0).abs() < 1e-5, "{steep}");
     }
 }

@@ -1,0 +1,215 @@
+//! Builds the tree: top down, each node split in two again and again until it has eight children,
+//! the split that costs rays least first.
+
+mod reference;
+mod split;
+
+use super::kernel::Kernel;
+use super::node::{Child, Node};
+use super::triangle_block::TriangleBlock;
+use super::{Bvh, MAX_DEPTH, WIDTH};
+use crate::geometry::Sphere;
+use crate::math::Aabb;
+use glam::Vec3;
+use rayon::prelude::*;
+use reference::{Extent, Reference};
+use split::split;
+
+/// From this depth on nodes are halved by number, which bounds the depth of any tree: there are
+/// fewer than 2^31 references to be halved.
+const MAX_SAH_DEPTH: usize = MAX_DEPTH - 31;
+
+/// The children of a node with more references are built in parallel.
+const PARALLEL_FROM: usize = 1 << 16;
+
+/// Up to so many blocks and so many spheres are tested one after the other, without a tree.
+const TINY: usize = 2;
+
+pub(in super::super) fn build(
+    triangles: &[[Vec3; 3]],
+    spheres: Vec<Sphere>,
+    kernel: Kernel,
+) -> Bvh {
+    let first_sphere = triangles.len() as u32;
+    let boxes = triangles.par_iter().map(|corners| Aabb::of(*corners));
+    let mut references: Vec<Reference> = boxes
+        .chain(spheres.par_iter().map(Sphere::bounds))
+        .zip(0..first_sphere + spheres.len() as u32)
+        .map(|(bounds, id)| Reference::new(bounds, id))
+        .collect();
+    let extent = Extent::of(&references);
+    let bounds = extent.bounds();
+    let mut tree = Tree::with_room(references.len());
+    let source = Source {
+        triangles,
+        first_sphere,
+    };
+    let whole = Range {
+        begin: 0,
+        end: references.len(),
+        depth: 0,
+        extent,
+    };
+    source.add_node(&mut references, whole, &mut tree);
+    if tree.blocks.len() <= TINY && spheres.len() <= TINY {
+        tree.nodes.clear();
+    }
+    Bvh {
+        nodes: tree.nodes,
+        blocks: tree.blocks,
+        spheres,
+        first_sphere,
+        bounds,
+        magnitude: bounds.max.max(-bounds.min).max_element().max(0.0),
+        kernel,
+    }
+}
+
+/// Some references of a slice, and what encloses them.
+#[derive(Clone, Copy)]
+struct Range {
+    begin: usize,
+    end: usize,
+    depth: usize,
+    extent: Extent,
+}
+
+struct Tree {
+    nodes: Vec<Node>,
+    blocks: Vec<TriangleBlock>,
+}
+
+impl Tree {
+    /// Blocks are mostly more than half full and nodes more than that: room for so much saves moving
+    /// what grows, and what is not used is not touched.
+    fn with_room(references: usize) -> Tree {
+        Tree {
+            nodes: Vec::with_capacity(references / 16),
+            blocks: Vec::with_capacity(references / 4),
+        }
+    }
+
+    /// Adds what was built apart.
+    fn append(&mut self, other: Tree) {
+        let (nodes, blocks) = (self.nodes.len() as u32, self.blocks.len() as u32);
+        self.blocks.extend(other.blocks);
+        self.nodes.extend(other.nodes.into_iter().map(|mut node| {
+            node.shift(nodes, blocks);
+            node
+        }));
+    }
+}
+
+struct Source<'a> {
+    triangles: &'a [[Vec3; 3]],
+    first_sphere: u32,
+}
+
+impl Source<'_> {
+    /// Adds a node over `range` of `references` and all below it; returns the node's index.
+    fn add_node(&self, references: &mut [Reference], range: Range, tree: &mut Tree) -> u32 {
+        let index = tree.nodes.len();
+        tree.nodes.push(Node::new(&[]));
+        let ranges = self.children(references, range);
+        let mut children = Vec::with_capacity(WIDTH);
+        if range.end - range.begin > PARALLEL_FROM {
+            let mut rest = references;
+            let mut parts = Vec::with_capacity(WIDTH);
+            for child in ranges {
+                let (part, others) = rest.split_at_mut(child.end - child.begin);
+                rest = others;
+                parts.push((part, child));
+            }
+            let built: Vec<_> = parts
+                .into_par_iter()
+                .map(|(part, child)| {
+                    let mut apart = Tree::with_room(part.len());
+                    let own = Range {
+                        begin: 0,
+                        end: part.len(),
+                        ..child
+                    };
+                    (self.add_child(part, own, &mut apart), apart)
+                })
+                .collect();
+            for (mut child, apart) in built {
+                let (nodes, blocks) = (tree.nodes.len() as u32, tree.blocks.len() as u32);
+                child.1 = child.1.shifted(nodes, blocks);
+                children.push(child);
+                tree.append(apart);
+            }
+        } else {
+            for child in ranges {
+                children.push(self.add_child(references, child, tree));
+            }
+        }
+        tree.nodes[index] = Node::new(&children);
+        index as u32
+    }
+
+    fn add_child(
+        &self,
+        references: &mut [Reference],
+        range: Range,
+        tree: &mut Tree,
+    ) -> (Aabb, Child) {
+        let own = &references[range.begin..range.end];
+        let child = if !self.is_leaf(own) {
+            Child::Node(self.add_node(references, range, tree))
+        } else if own[0].id() >= self.first_sphere {
+            Child::Sphere(own[0].id() - self.first_sphere)
+        } else {
+            let mut ids = [u32::MAX; WIDTH];
+            for (id, reference) in ids.iter_mut().zip(own) {
+                *id = reference.id();
+            }
+            ids.sort_unstable();
+            let block = TriangleBlock::new(&ids[..own.len()], self.triangles);
+            tree.blocks.push(block);
+            Child::Triangles(tree.blocks.len() as u32 - 1)
+        };
+        (range.extent.bounds(), child)
+    }
+
+    /// Up to eight parts of a range, in order: the largest part is split as long as there is room.
+    fn children(&self, references: &mut [Reference], range: Range) -> Vec<Range> {
+        let mut parts = Vec::with_capacity(WIDTH);
+        if range.begin < range.end {
+            parts.push(range);
+        }
+        while parts.len() < WIDTH {
+            let largest = (0..parts.len())
+                .filter(|&i| !self.is_leaf(&references[parts[i].begin..parts[i].end]))
+                .max_by(|&a, &b| {
+                    let area = |i: usize| parts[i].extent.half_area();
+                    area(a).total_cmp(&area(b))
+                });
+            let Some(i) = largest else { break };
+            let part = parts[i];
+            let own = &mut references[part.begin..part.end];
+            let halves = split(own, part.extent, part.depth < MAX_SAH_DEPTH);
+            let middle = part.begin + halves.count;
+            let [left, right] = halves.extents;
+            parts[i] = Range {
+                end: middle,
+                depth: part.depth + 1,
+                extent: left,
+                ..part
+            };
+            let right = Range {
+                begin: middle,
+                depth: part.depth + 1,
+                extent: right,
+                ..part
+            };
+            parts.insert(i + 1, right);
+        }
+        parts
+    }
+
+    /// One sphere, or one to eight triangles.
+    fn is_leaf(&self, references: &[Reference]) -> bool {
+        references.len() == 1
+            || (references.len() <= WIDTH && references.iter().all(|r| r.id() < self.first_sphere))
+    }
+}

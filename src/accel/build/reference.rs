@@ -1,0 +1,83 @@
+use crate::math::Aabb;
+use glam::{Vec3, Vec4};
+
+/// A box around a primitive, or around a piece of it, and the primitive's number.
+///
+/// Four lanes so that boxes are joined by vector instructions; the fourth of `min` holds the number
+/// and that of `max` nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reference {
+    pub(super) min: Vec4,
+    pub(super) max: Vec4,
+}
+
+impl Reference {
+    pub(super) fn new(bounds: Aabb, id: u32) -> Reference {
+        Reference {
+            min: bounds.min.extend(f32::from_bits(id)),
+            max: bounds.max.extend(0.0),
+        }
+    }
+
+    pub(super) fn id(&self) -> u32 {
+        self.min.w.to_bits()
+    }
+
+    /// Twice the box's centre.
+    #[inline(always)]
+    pub(super) fn center(&self) -> Vec4 {
+        self.min + self.max
+    }
+}
+
+/// The box around some references, and the box around twice their centres.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    pub(super) min: Vec4,
+    pub(super) max: Vec4,
+    pub(super) center_min: Vec4,
+    pub(super) center_max: Vec4,
+}
+
+impl Extent {
+    pub(super) const EMPTY: Extent = Extent {
+        min: Vec4::INFINITY,
+        max: Vec4::NEG_INFINITY,
+        center_min: Vec4::INFINITY,
+        center_max: Vec4::NEG_INFINITY,
+    };
+
+    pub(super) fn of(references: &[Reference]) -> Extent {
+        let mut extent = Extent::EMPTY;
+        for reference in references {
+            extent.add(reference);
+        }
+        extent
+    }
+
+    #[inline(always)]
+    pub(super) fn add(&mut self, reference: &Reference) {
+        self.min = self.min.min(reference.min);
+        self.max = self.max.max(reference.max);
+        self.center_min = self.center_min.min(reference.center());
+        self.center_max = self.center_max.max(reference.center());
+    }
+
+    pub(super) fn bounds(&self) -> Aabb {
+        Aabb {
+            min: self.min.truncate(),
+            max: self.max.truncate(),
+        }
+    }
+
+    pub(super) fn half_area(&self) -> f32 {
+        half_area(self.min, self.max)
+    }
+}
+
+/// Half the surface area of a box that is not empty.
+#[inline(always)]
+pub(super) fn half_area(min: Vec4, max: Vec4) -> f32 {
+    let e: Vec3 = (max - min).truncate();
+    e.x * e.y + e.y * e.z + e.z * e.x
+}

@@ -49,6 +49,12 @@ pub struct Reflectance {
 }
 
 impl Reflectance {
+    /// The share of the light that is not a mirror's.
+    #[inline]
+    pub fn own(&self) -> Vec3 {
+        Vec3::ONE - self.reflective
+    }
+
     /// The mean of three, weighted by barycentric coordinates that sum to 1.
     pub fn barycentric(corners: [Reflectance; 3], weights: [f32; 3]) -> Reflectance {
         let mix = |of: fn(&Reflectance) -> Vec3| {

@@ -3,6 +3,7 @@
 
 mod support;
 
+use flythrough::integrator::CameraSample;
 use flythrough::render::{PixelSampling, RenderSettings, render_frame};
 use glam::Vec3;
 use support::*;
@@ -60,9 +61,16 @@ fn corners_equal_four_samples_of_each_pixel() {
                 let film = glam::DVec2::new(f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy);
                 let ray = camera.ray(film, size, scene.origin);
                 let sequence = flythrough::sampling::Sequence::new(0, 0, 0, 0);
+                let sample = CameraSample {
+                    ray,
+                    sequence,
+                    index: 0,
+                };
+                let mut radiance = [glam::Vec3::ZERO];
                 settings
                     .integrator
-                    .radiance(&scene, &ray, sequence, 0, &mut traversal)
+                    .radiance(&scene, &[sample], &mut traversal, &mut radiance);
+                radiance[0]
             };
             let above = corner(-0.5, -0.5) + corner(0.5, -0.5);
             let mean = 0.25 * (above + (corner(-0.5, 0.5) + corner(0.5, 0.5)));

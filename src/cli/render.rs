@@ -11,7 +11,14 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     flags.check().map_err(|error| format!("--{error}"))?;
     let mut files = InputFiles::default();
     let path = load_camera_path(&arguments.path, &mut files)?;
-    let scene = load_scene(&arguments.scene, &mut files)?;
+    let threads = match arguments.threads {
+        Some(threads) => threads.get(),
+        None => std::thread::available_parallelism()?.get(),
+    };
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()?;
+    let scene = pool.install(|| load_scene(&arguments.scene, &mut files))?;
     warn(&scene.warnings);
     let given = flags.or(path.settings).or(scene.settings);
     let settings = given.resolve();
@@ -50,14 +57,6 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
         .copied()
         .filter(|&frame| arguments.force || !folder.has(frame))
         .collect();
-    let threads = match arguments.threads {
-        Some(threads) => threads.get(),
-        None => std::thread::available_parallelism()?.get(),
-    };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()?;
-
     let progress =
         SequenceProgress::new(missing.len() as u64, tile_count(&settings), arguments.quiet);
     let start = Instant::now();

@@ -1,35 +1,36 @@
 use super::direct::direct;
-use super::{ambient, reflect};
+use super::{CameraSample, ambient, reflect};
 use crate::accel::Traversal;
 use crate::math::{Ray, to_world};
 use crate::sampling::{Sequence, cosine_hemisphere};
 use crate::scene::{Scene, Surface};
 use glam::Vec3;
 
-/// An unbiased estimate of the light along a camera ray, all paths of up to `bounces` bounces
-/// counted. Light that a mirror throws from a point light onto a surface (a caustic) is not.
+/// An unbiased estimate of the light that `surface`, which a camera ray sees, sends along the ray,
+/// given its direct light; all paths of up to `bounces` bounces counted. Light that a mirror throws
+/// from a point light onto a surface (a caustic) is not.
 pub(super) fn radiance(
     scene: &Scene,
-    ray: &Ray,
+    sample: &CameraSample,
+    surface: &Surface,
+    lit: Vec3,
     bounces: u32,
     splits: &[u32],
-    sequence: Sequence,
-    index: u32,
     traversal: &mut Traversal,
 ) -> Vec3 {
     let mut estimator = Estimator {
         scene,
         bounces,
         splits,
-        sequence,
+        sequence: sample.sequence,
         traversal,
     };
     let path = Path {
         depth: 0,
         diffuse_bounces: 0,
-        index,
+        index: sample.index,
     };
-    estimator.radiance(ray, path)
+    estimator.leaving(&sample.ray, surface, lit, path)
 }
 
 struct Estimator<'a> {
@@ -57,22 +58,28 @@ impl Estimator<'_> {
             return self.scene.background;
         };
         let surface = self.scene.surface(ray, &hit);
-        let reflectance = &surface.reflectance;
-        let mirror = reflectance.reflective;
-        let own = Vec3::ONE - mirror;
-        let mut sum = Vec3::ZERO;
-        if own != Vec3::ZERO {
-            sum += own * direct(self.scene, &surface, -ray.direction, self.traversal);
-        }
-        let diffuse = own * reflectance.diffuse;
+        let lit = if surface.reflectance.own() == Vec3::ZERO {
+            Vec3::ZERO
+        } else {
+            direct(self.scene, &surface, -ray.direction, self.traversal)
+        };
+        self.leaving(ray, &surface, lit, path)
+    }
+
+    /// The light that the surface sends along the ray, given its direct light.
+    fn leaving(&mut self, ray: &Ray, surface: &Surface, lit: Vec3, path: Path) -> Vec3 {
+        let mirror = surface.reflectance.reflective;
+        let own = surface.reflectance.own();
+        let sum = own * lit;
+        let diffuse = own * surface.reflectance.diffuse;
         if path.depth == self.bounces {
             sum + (diffuse + mirror) * ambient(self.scene)
         } else if path.diffuse_bounces == 0 {
             // What the camera sees, also through mirrors, is worth both.
-            sum + self.gather(ray, &surface, diffuse, Vec3::ZERO, path)
-                + self.follow_mirror(ray, &surface, mirror, path)
+            sum + self.gather(ray, surface, diffuse, Vec3::ZERO, path)
+                + self.follow_mirror(ray, surface, mirror, path)
         } else {
-            sum + self.gather(ray, &surface, diffuse, mirror, path)
+            sum + self.gather(ray, surface, diffuse, mirror, path)
         }
     }
 

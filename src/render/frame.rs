@@ -1,7 +1,8 @@
 use super::{PixelSampling, RenderSettings};
-use crate::accel::Traversal;
+use crate::accel::{PACKET, Traversal};
 use crate::camera::Camera;
 use crate::film::Film;
+use crate::integrator::CameraSample;
 use crate::sampling::Sequence;
 use crate::scene::Scene;
 use glam::{DVec2, Vec3};
@@ -39,29 +40,39 @@ pub fn render_frame(
     tile_done: &(dyn Fn(u64) + Sync),
 ) -> RenderedFrame {
     let size = DVec2::new(settings.width.into(), settings.height.into());
-    let sample = |film: DVec2, sequence: Sequence, index: u32, traversal: &mut Traversal| {
-        let ray = camera.ray(film, size, scene.origin);
-        settings
-            .integrator
-            .radiance(scene, &ray, sequence, index, traversal)
-    };
     let grid = Grid::of(settings);
-    let points = grid.fill(tile_done, |x, y, work| {
-        let sequence = Sequence::new(settings.seed, frame, x, y);
-        let corner = DVec2::new(x.into(), y.into());
-        match settings.sampling {
-            PixelSampling::Corners => work.finite(|t| sample(corner, sequence, 0, t)),
-            PixelSampling::Center => work.finite(|t| sample(corner + 0.5, sequence, 0, t)),
-            PixelSampling::Spread(count) => {
-                let mut sum = Vec3::ZERO;
-                for index in 0..count {
-                    let [u, v] = sequence.sample_2d(index, 0);
-                    let film = corner + DVec2::new(u.into(), v.into());
-                    sum += work.finite(|t| sample(film, sequence, index, t));
-                }
-                sum / count as f32
-            }
+    let points = grid.fill(tile_done, |points, work| {
+        let count = match settings.sampling {
+            PixelSampling::Spread(count) => count,
+            PixelSampling::Center | PixelSampling::Corners => 1,
+        };
+        let mut sums = vec![Vec3::ZERO; points.len()];
+        let samples = points.iter().zip(0..).flat_map(|(&(x, y), number)| {
+            let sequence = Sequence::new(settings.seed, frame, x, y);
+            let corner = DVec2::new(x.into(), y.into());
+            (0..count).map(move |index| {
+                let film = match settings.sampling {
+                    PixelSampling::Corners => corner,
+                    PixelSampling::Center => corner + 0.5,
+                    PixelSampling::Spread(_) => {
+                        let [u, v] = sequence.sample_2d(index, 0);
+                        corner + DVec2::new(u.into(), v.into())
+                    }
+                };
+                let ray = camera.ray(film, size, scene.origin);
+                let sample = CameraSample {
+                    ray,
+                    sequence,
+                    index,
+                };
+                (number, sample)
+            })
+        });
+        work.radiance(scene, settings, samples, &mut sums);
+        for sum in &mut sums {
+            *sum /= count as f32;
         }
+        sums
     });
     let mut film = Film::new(settings.width, settings.height);
     match settings.sampling {
@@ -99,7 +110,7 @@ struct GridValues {
     non_finite: u64,
 }
 
-/// What one thread needs while it works on a tile, and what it counts.
+/// What a thread needs while it works on a tile, and what it counts.
 #[derive(Default)]
 struct Work {
     traversal: Traversal,
@@ -107,13 +118,36 @@ struct Work {
 }
 
 impl Work {
-    fn finite(&mut self, sample: impl FnOnce(&mut Traversal) -> Vec3) -> Vec3 {
-        let light = sample(&mut self.traversal);
-        if light.is_finite() {
-            return light;
+    /// Adds the light of numbered samples to the sums of these numbers.
+    fn radiance(
+        &mut self,
+        scene: &Scene,
+        settings: &RenderSettings,
+        samples: impl Iterator<Item = (usize, CameraSample)>,
+        sums: &mut [Vec3],
+    ) {
+        let mut samples = samples.peekable();
+        let mut packet = Vec::with_capacity(PACKET);
+        let mut numbers = Vec::with_capacity(PACKET);
+        while samples.peek().is_some() {
+            packet.clear();
+            numbers.clear();
+            for (number, sample) in samples.by_ref().take(PACKET) {
+                numbers.push(number);
+                packet.push(sample);
+            }
+            let mut radiance = [Vec3::ZERO; PACKET];
+            settings
+                .integrator
+                .radiance(scene, &packet, &mut self.traversal, &mut radiance);
+            for (number, light) in numbers.iter().zip(radiance) {
+                if light.is_finite() {
+                    sums[*number] += light;
+                } else {
+                    self.non_finite += 1;
+                }
+            }
         }
-        self.non_finite += 1;
-        Vec3::ZERO
     }
 }
 
@@ -134,14 +168,13 @@ impl Grid {
     fn fill(
         self,
         tile_done: &(dyn Fn(u64) + Sync),
-        point: impl Fn(u32, u32, &mut Work) -> Vec3 + Sync,
+        tile: impl Fn(&[(u32, u32)], &mut Work) -> Vec<Vec3> + Sync,
     ) -> GridValues {
         let tiles: Vec<(Vec<Vec3>, Work)> = (0..self.tiles())
             .into_par_iter()
-            .map(|tile| {
+            .map(|number| {
                 let mut work = Work::default();
-                let values = self.tile_points(tile).map(|(x, y)| point(x, y, &mut work));
-                let values = values.collect();
+                let values = tile(&self.tile_points(number), &mut work);
                 tile_done(work.traversal.rays);
                 (values, work)
             })
@@ -152,7 +185,7 @@ impl Grid {
             non_finite: 0,
         };
         for (tile, (values, work)) in (0..).zip(tiles) {
-            for ((x, y), value) in self.tile_points(tile).zip(values) {
+            for ((x, y), value) in self.tile_points(tile).into_iter().zip(values) {
                 all.values[y as usize * self.width as usize + x as usize] = value;
             }
             all.rays += work.traversal.rays;
@@ -161,13 +194,20 @@ impl Grid {
         all
     }
 
-    /// The points of a tile, row by row.
-    fn tile_points(self, tile: u64) -> impl Iterator<Item = (u32, u32)> {
+    /// The points of a tile, in squares of two by two, in squares of four by four, and so on: rays
+    /// that are traced together stay close.
+    fn tile_points(self, tile: u64) -> Vec<(u32, u32)> {
         let tiles_per_row = u64::from(self.width.div_ceil(TILE));
         let x0 = (tile % tiles_per_row) as u32 * TILE;
         let y0 = (tile / tiles_per_row) as u32 * TILE;
-        let columns = x0..(x0 + TILE).min(self.width);
-        let rows = y0..(y0 + TILE).min(self.height);
-        rows.flat_map(move |y| columns.clone().map(move |x| (x, y)))
+        (0..TILE * TILE)
+            .map(|i| (x0 + every_second_bit(i), y0 + every_second_bit(i >> 1)))
+            .filter(|(x, y)| *x < self.width && *y < self.height)
+            .collect()
     }
+}
+
+/// Bits 0, 2, 4 and 6, side by side.
+fn every_second_bit(bits: u32) -> u32 {
+    (0..4).fold(0, |gathered, i| gathered | (bits >> (2 * i) & 1) << i)
 }

@@ -63,6 +63,26 @@ impl Scene {
         self.bvh.occluded(ray, traversal)
     }
 
+    /// As [`Scene::closest`], of up to sixteen rays that run side by side.
+    pub fn closest_of_packet(
+        &self,
+        rays: &[Ray],
+        hits: &mut [Option<Hit>],
+        traversal: &mut Traversal,
+    ) {
+        self.bvh.closest_of_packet(rays, hits, traversal);
+    }
+
+    /// As [`Scene::occluded`], of up to sixteen rays that run side by side.
+    pub fn occluded_of_packet(
+        &self,
+        rays: &[Ray],
+        occluded: &mut [bool],
+        traversal: &mut Traversal,
+    ) {
+        self.bvh.occluded_of_packet(rays, occluded, traversal);
+    }
+
     /// The box around all shapes, relative to [`Scene::origin`]; empty for an empty scene.
     pub fn bounds(&self) -> Aabb {
         self.bvh.bounds()

@@ -1,18 +1,45 @@
 #!/usr/bin/env bash
-# Benchmarks, as a Markdown table.
+# Benchmarks, as Markdown tables.
 #
-#   scripts/bench.sh [MITSUBA_SCRIPT]
+#   scripts/bench.sh [--rays DIR] [--mitsuba SCRIPT]
 #
-# With the path of a Python script that renders the scene of scenes/test3.ron with Mitsuba 3 and
-# prints its seconds per frame (taking --spp and --frames), it runs in turn with ours, so that both
-# see the same machine. PYTHON chooses the interpreter.
+# --rays DIR        a folder of ray sets (tests/bench/rays.rs says which files). If it holds a program
+#                   `embree_rays` that times Embree on them (`embree_rays bench NAME`), both run in
+#                   turn, so that both see the same machine.
+# --mitsuba SCRIPT  a Python script that renders the scene of scenes/test3.ron with Mitsuba 3 and
+#                   prints its seconds per frame (taking --spp and --frames); in turn with ours.
+#                   PYTHON chooses the interpreter.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+
+rays= mitsuba=
+while [ $# -gt 0 ]; do
+    case $1 in
+        --rays) rays=$(cd "${2:?--rays needs a folder}" && pwd) ;;
+        --mitsuba) mitsuba=${2:?--mitsuba needs a script} ;;
+        *) echo "bench: unknown option $1" >&2; exit 2 ;;
+    esac
+    shift 2
+done
+
 echo "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1), $(nproc) cores"
 cargo bench --quiet --bench frames
-if [ $# -eq 1 ]; then
+cargo bench --quiet --bench growth
+if [ -n "$rays" ]; then
+    embree=$(mktemp)
+    trap 'rm -f "$embree"' EXIT
+    for round in 1 2; do
+        if [ -x "$rays/embree_rays" ]; then
+            for scene in "$rays"/*.tri; do
+                (cd "$rays" && ./embree_rays bench "$(basename "$scene" .tri)") >>"$embree"
+            done
+        fi
+        cargo bench --quiet --bench rays -- "$rays" "$embree"
+    done
+fi
+if [ -n "$mitsuba" ]; then
     for round in 1 2 3; do
         cargo bench --quiet --bench frames -- test3 "64 paths" | tail -n 2
-        echo "Mitsuba, 64 samples per pixel: $("${PYTHON:-python3}" "$1" --spp 64 --frames 4)"
+        echo "Mitsuba, 64 samples per pixel: $("${PYTHON:-python3}" "$mitsuba" --spp 64 --frames 4)"
     done
 fi

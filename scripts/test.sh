@@ -18,6 +18,8 @@ step Documentation
 RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps --document-private-items
 step Tests
 cargo test --quiet --release
+step "Random hostile scenes, for ${FUZZ_SECONDS:=20} seconds"
+FUZZ_SECONDS=$FUZZ_SECONDS cargo test --quiet --release --lib fuzz -- --ignored
 step "Both videos, small"
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT

@@ -7,7 +7,7 @@ use glam::Vec3;
 /// The light of all point lights that the surface, without its mirror, sends to the viewer.
 ///
 /// `viewer` is the unit direction to the viewer. A light behind the surface's shape or behind its
-/// shading normal does not reach it.
+/// shading normal does not reach it, and a perfect mirror sends none of it.
 pub(super) fn direct(
     scene: &Scene,
     surface: &Surface,
@@ -39,7 +39,6 @@ pub(super) fn direct_of_packet(
         let mut count = 0;
         for (number, (surface, ray)) in seen.iter().zip(camera_rays).enumerate() {
             if let Some(surface) = surface
-                && surface.reflectance.own() != Vec3::ZERO
                 && let Some((light, shadow_ray)) = unoccluded(light, surface, -ray.direction)
             {
                 rays[count] = shadow_ray;
@@ -61,6 +60,9 @@ pub(super) fn direct_of_packet(
 /// What a light would add if nothing were in the way, and the ray that finds out; none if it adds
 /// nothing.
 fn unoccluded(light: &PointLight, surface: &Surface, viewer: Vec3) -> Option<(Vec3, Ray)> {
+    if surface.reflectance.own() == Vec3::ZERO {
+        return None;
+    }
     let to_light = light.position - surface.position;
     if to_light.dot(surface.geometric_normal) <= 0.0 {
         return None;

@@ -58,11 +58,7 @@ impl Estimator<'_> {
             return self.scene.background;
         };
         let surface = self.scene.surface(ray, &hit);
-        let lit = if surface.reflectance.own() == Vec3::ZERO {
-            Vec3::ZERO
-        } else {
-            direct(self.scene, &surface, -ray.direction, self.traversal)
-        };
+        let lit = direct(self.scene, &surface, -ray.direction, self.traversal);
         self.leaving(ray, &surface, lit, path)
     }
 

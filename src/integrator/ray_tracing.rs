@@ -35,10 +35,6 @@ pub(super) fn radiance(
             return sum + throughput * scene.background;
         };
         surface = scene.surface(&ray, &hit);
-        lit = if surface.reflectance.own() == Vec3::ZERO {
-            Vec3::ZERO
-        } else {
-            direct(scene, &surface, -ray.direction, traversal)
-        };
+        lit = direct(scene, &surface, -ray.direction, traversal);
     }
 }

@@ -1,6 +1,6 @@
 //! What scenes of a thousand to ten million triangles cost: `cargo bench --bench growth`.
 //!
-//! The scene is a ball of bumps inside a box of bumps, finer and finer; rays start between them in
+//! The scene is a bumpy ball inside a larger one, finer and finer; rays start between them in
 //! random directions, so each meets something. Rates are of one thread, the best of three runs; the
 //! tree is built on all threads.
 #![allow(

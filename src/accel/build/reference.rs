@@ -1,7 +1,7 @@
 use crate::math::Aabb;
 use glam::{Vec3, Vec4};
 
-/// A box around a primitive, or around a piece of it, and the primitive's number.
+/// A box around a primitive, and the primitive's number.
 ///
 /// Four lanes so that boxes are joined by vector instructions; the fourth of `min` holds the number
 /// and that of `max` nothing.

@@ -97,6 +97,14 @@ impl Node {
         }
     }
 
+    /// The planes of all children.
+    #[inline(always)]
+    pub(super) fn planes<V: Floats<WIDTH>>(&self) -> [V; 6] {
+        let [a, b, c, d, e, f] = &self.planes;
+        let load = V::load;
+        [load(a), load(b), load(c), load(d), load(e), load(f)]
+    }
+
     /// A number no greater than where the ray enters each box, and one no less than where it leaves;
     /// the first is greater for a box that it does not enter within `0..=t_max`.
     #[inline(always)]

@@ -82,24 +82,24 @@ pub(super) fn walk_packet<M: Machine, const ANY: bool>(
         *limit = if ANY { ray.t_max * PADDING } else { f32::MAX };
     }
     let all = (1 << rays.len()) - 1;
+    let mut farthest = found.farthest::<M>();
     if bvh.nodes.is_empty() {
         for (sphere, primitive) in bvh.spheres.iter().zip(bvh.first_sphere..) {
             found.meet_sphere::<ANY>(sphere, primitive, rays, all);
         }
         for block in &bvh.blocks {
-            found.meet_together::<M, ANY>(block, rays, &packet, all);
+            found.meet_together::<M, ANY>(block, rays, &packet, all, farthest);
         }
         hits.copy_from_slice(&found.best[..rays.len()]);
         return true;
     }
-    let mut farthest = found.farthest::<M>();
     stack.len = 0;
     let (mut next, mut some) = (ROOT, all);
     loop {
         match Child::unpack(next) {
             Child::Node(index) => {
                 let node = &bvh.nodes[index as usize];
-                let (near, far) = packet.enter_bundle::<M::One>(node, farthest);
+                let (near, far) = packet.enter_bundle(&node.planes::<M::One>(), farthest);
                 let mut entered = near.le(far);
                 let near = near.store();
                 let limits = M::Many::load(&found.limits);
@@ -118,7 +118,7 @@ pub(super) fn walk_packet<M: Machine, const ANY: bool>(
                 let changed = if some.count_ones() < FEW {
                     found.meet_one_by_one::<M, ANY>(block, rays, &packet, some)
                 } else {
-                    found.meet_together::<M, ANY>(block, rays, &packet, some)
+                    found.meet_together::<M, ANY>(block, rays, &packet, some, farthest)
                 };
                 if changed {
                     farthest = found.farthest::<M>();
@@ -190,9 +190,14 @@ impl Found {
         rays: &[Ray],
         packet: &Packet<M::Many>,
         some: u32,
+        farthest: f32,
     ) -> bool {
         let mut changed = false;
-        for lane in 0..block.count() {
+        let (near, far) = packet.enter_bundle(&block.planes::<M::One>(), farthest);
+        let mut entered = near.le(far);
+        while entered != 0 {
+            let lane = entered.trailing_zeros() as usize % WIDTH;
+            entered &= entered - 1;
             let primitive = block.ids()[lane];
             let corners = block.one::<M::Many, PACKET>(lane, packet.axes);
             let mut passed = some & packet.sheared.pass(&corners, M::Many::load(&self.limits));
@@ -410,16 +415,14 @@ impl<V: Floats<PACKET>> Packet<V> {
     /// As [`Node::enter`], for the bundle as a whole: before the first ray enters a box, and after the
     /// last one leaves it.
     #[inline(always)]
-    fn enter_bundle<W: Floats<WIDTH>>(&self, node: &Node, farthest: f32) -> (W, W) {
+    fn enter_bundle<W: Floats<WIDTH>>(&self, planes: &[W; 6], farthest: f32) -> (W, W) {
         let mut near = W::splat(0.0);
         let mut far = W::splat(farthest);
         for axis in 0..3 {
             let least = W::splat(self.least_inverse[axis]);
             let greatest = W::splat(self.greatest_inverse[axis]);
-            let entry = W::load(&node.planes[self.near[axis]]);
-            let entry = entry.sub(W::splat(self.last_origin[axis]));
-            let exit = W::load(&node.planes[self.far[axis]]);
-            let exit = exit.sub(W::splat(self.first_origin[axis]));
+            let entry = planes[self.near[axis]].sub(W::splat(self.last_origin[axis]));
+            let exit = planes[self.far[axis]].sub(W::splat(self.first_origin[axis]));
             near = entry.mul(least).min(entry.mul(greatest)).max(near);
             far = exit.mul(least).max(exit.mul(greatest)).min(far);
         }

@@ -35,13 +35,8 @@ impl TriangleBlock {
     }
 
     /// How many triangles there are.
-    #[inline(always)]
     pub(super) fn count(&self) -> usize {
-        let mut count = 1;
-        while count < WIDTH && self.ids[count] != self.ids[count - 1] {
-            count += 1;
-        }
-        count
+        1 + self.ids.windows(2).filter(|ids| ids[0] != ids[1]).count()
     }
 
     /// Takes over every triangle that the ray meets nearer than `best`, or as near with a lower
@@ -109,6 +104,20 @@ impl TriangleBlock {
             [V::load(&a[kx]), V::load(&a[ky]), V::load(&a[kz])],
             [V::load(&b[kx]), V::load(&b[ky]), V::load(&b[kz])],
             [V::load(&c[kx]), V::load(&c[ky]), V::load(&c[kz])],
+        ]
+    }
+
+    /// The planes of all triangles' boxes, as those of a node.
+    #[inline(always)]
+    pub(super) fn planes<V: Floats<WIDTH>>(&self) -> [V; 6] {
+        let [a, b, c] = self.all::<V>([0, 1, 2]);
+        [
+            a[0].min(b[0]).min(c[0]),
+            a[1].min(b[1]).min(c[1]),
+            a[2].min(b[2]).min(c[2]),
+            a[0].max(b[0]).max(c[0]),
+            a[1].max(b[1]).max(c[1]),
+            a[2].max(b[2]).max(c[2]),
         ]
     }
 

@@ -1,5 +1,6 @@
 use crate::accel::{PACKET, Traversal};
 use crate::light::PointLight;
+use crate::material::Features;
 use crate::math::Ray;
 use crate::scene::{Scene, Surface};
 use glam::Vec3;
@@ -8,7 +9,7 @@ use glam::Vec3;
 ///
 /// `viewer` is the unit direction to the viewer. A light behind the surface's shape or behind its
 /// shading normal does not reach it, and a perfect mirror sends none of it.
-pub(super) fn direct(
+pub(super) fn direct<F: Features>(
     scene: &Scene,
     surface: &Surface,
     viewer: Vec3,
@@ -16,7 +17,7 @@ pub(super) fn direct(
 ) -> Vec3 {
     let mut sum = Vec3::ZERO;
     for light in &scene.lights {
-        if let Some((light, shadow_ray)) = unoccluded(light, surface, viewer)
+        if let Some((light, shadow_ray)) = unoccluded::<F>(light, surface, viewer)
             && !scene.occluded(&shadow_ray, traversal)
         {
             sum += light;
@@ -26,7 +27,7 @@ pub(super) fn direct(
 }
 
 /// As [`direct`], for the surfaces that camera rays see: their shadow rays run side by side.
-pub(super) fn direct_of_packet(
+pub(super) fn direct_of_packet<F: Features>(
     scene: &Scene,
     seen: &[Option<Surface>],
     camera_rays: &[Ray],
@@ -39,7 +40,7 @@ pub(super) fn direct_of_packet(
         let mut count = 0;
         for (number, (surface, ray)) in seen.iter().zip(camera_rays).enumerate() {
             if let Some(surface) = surface
-                && let Some((light, shadow_ray)) = unoccluded(light, surface, -ray.direction)
+                && let Some((light, shadow_ray)) = unoccluded::<F>(light, surface, -ray.direction)
             {
                 rays[count] = shadow_ray;
                 owners[count] = (number, light);
@@ -59,8 +60,12 @@ pub(super) fn direct_of_packet(
 
 /// What a light would add if nothing were in the way, and the ray that finds out; none if it adds
 /// nothing.
-fn unoccluded(light: &PointLight, surface: &Surface, viewer: Vec3) -> Option<(Vec3, Ray)> {
-    if surface.reflectance.own() == Vec3::ZERO {
+fn unoccluded<F: Features>(
+    light: &PointLight,
+    surface: &Surface,
+    viewer: Vec3,
+) -> Option<(Vec3, Ray)> {
+    if surface.reflectance.own::<F>() == Vec3::ZERO {
         return None;
     }
     let to_light = light.position - surface.position;
@@ -70,9 +75,10 @@ fn unoccluded(light: &PointLight, surface: &Surface, viewer: Vec3) -> Option<(Ve
     let distance_squared = to_light.length_squared();
     let distance = distance_squared.sqrt();
     let direction = to_light / distance;
-    let reflected = surface
-        .reflectance
-        .reflect_light(surface.shading_normal, direction, viewer);
+    let reflected =
+        surface
+            .reflectance
+            .reflect_light::<F>(surface.shading_normal, direction, viewer);
     let contribution = reflected * light.color_at(distance_squared);
     if contribution == Vec3::ZERO {
         return None;

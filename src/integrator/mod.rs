@@ -8,7 +8,7 @@ mod monte_carlo;
 mod ray_tracing;
 
 use crate::accel::{PACKET, Traversal};
-use crate::material::mirror;
+use crate::material::{FeatureSet, Features, Only, mirror};
 use crate::math::Ray;
 use crate::sampling::Sequence;
 use crate::scene::{Scene, Surface};
@@ -53,6 +53,17 @@ impl Integrator {
         traversal: &mut Traversal,
         radiance: &mut [Vec3],
     ) {
+        let for_features = RADIANCE[scene.features().number()];
+        for_features(self, scene, samples, traversal, radiance);
+    }
+
+    fn radiance_for<F: Features>(
+        &self,
+        scene: &Scene,
+        samples: &[CameraSample],
+        traversal: &mut Traversal,
+        radiance: &mut [Vec3],
+    ) {
         let mut rays = [samples[0].ray; PACKET];
         for (ray, sample) in rays.iter_mut().zip(samples) {
             *ray = sample.ray;
@@ -62,24 +73,48 @@ impl Integrator {
         scene.closest_of_packet(rays, &mut hits[..rays.len()], traversal);
         let mut surfaces = [None; PACKET];
         for ((surface, hit), ray) in surfaces.iter_mut().zip(hits).zip(rays) {
-            *surface = hit.map(|hit| scene.surface(ray, &hit));
+            *surface = hit.map(|hit| scene.surface::<F>(ray, &hit));
         }
-        let lit = direct_of_packet(scene, &surfaces, rays, traversal);
+        let lit = direct_of_packet::<F>(scene, &surfaces, rays, traversal);
         for (((radiance, sample), surface), lit) in
             radiance.iter_mut().zip(samples).zip(surfaces).zip(lit)
         {
             *radiance = match (surface, self) {
                 (None, _) => scene.background,
                 (Some(surface), Integrator::RayTracing { bounces }) => {
-                    ray_tracing::radiance(scene, sample.ray, surface, lit, *bounces, traversal)
+                    ray_tracing::radiance::<F>(scene, sample.ray, surface, lit, *bounces, traversal)
                 }
                 (Some(surface), Integrator::MonteCarlo { bounces, splits }) => {
-                    monte_carlo::radiance(scene, sample, &surface, lit, *bounces, splits, traversal)
+                    monte_carlo::radiance::<F>(
+                        scene, sample, &surface, lit, *bounces, splits, traversal,
+                    )
                 }
             };
         }
     }
 }
+
+type RadianceFor = fn(&Integrator, &Scene, &[CameraSample], &mut Traversal, &mut [Vec3]);
+
+/// [`Integrator::radiance`] for each set of features.
+static RADIANCE: [RadianceFor; FeatureSet::COUNT] = [
+    Integrator::radiance_for::<Only<0>>,
+    Integrator::radiance_for::<Only<1>>,
+    Integrator::radiance_for::<Only<2>>,
+    Integrator::radiance_for::<Only<3>>,
+    Integrator::radiance_for::<Only<4>>,
+    Integrator::radiance_for::<Only<5>>,
+    Integrator::radiance_for::<Only<6>>,
+    Integrator::radiance_for::<Only<7>>,
+    Integrator::radiance_for::<Only<8>>,
+    Integrator::radiance_for::<Only<9>>,
+    Integrator::radiance_for::<Only<10>>,
+    Integrator::radiance_for::<Only<11>>,
+    Integrator::radiance_for::<Only<12>>,
+    Integrator::radiance_for::<Only<13>>,
+    Integrator::radiance_for::<Only<14>>,
+    Integrator::radiance_for::<Only<15>>,
+];
 
 /// The scene's ambient light where nothing better is known.
 fn ambient(scene: &Scene) -> Vec3 {

@@ -1,15 +1,17 @@
 use super::direct::direct;
 use super::{CameraSample, ambient, reflect};
 use crate::accel::Traversal;
+use crate::material::Features;
 use crate::math::{Ray, to_world};
 use crate::sampling::{Sequence, cosine_hemisphere};
 use crate::scene::{Scene, Surface};
 use glam::Vec3;
+use std::marker::PhantomData;
 
 /// An unbiased estimate of the light that `surface`, which a camera ray sees, sends along the ray,
 /// given its direct light; all paths of up to `bounces` bounces counted. Light that a mirror throws
 /// from a point light onto a surface (a caustic) is not.
-pub(super) fn radiance(
+pub(super) fn radiance<F: Features>(
     scene: &Scene,
     sample: &CameraSample,
     surface: &Surface,
@@ -18,12 +20,13 @@ pub(super) fn radiance(
     splits: &[u32],
     traversal: &mut Traversal,
 ) -> Vec3 {
-    let mut estimator = Estimator {
+    let mut estimator = Estimator::<F> {
         scene,
         bounces,
         splits,
         sequence: sample.sequence,
         traversal,
+        features: PhantomData,
     };
     let path = Path {
         depth: 0,
@@ -33,12 +36,13 @@ pub(super) fn radiance(
     estimator.leaving(&sample.ray, surface, lit, path)
 }
 
-struct Estimator<'a> {
+struct Estimator<'a, F> {
     scene: &'a Scene,
     bounces: u32,
     splits: &'a [u32],
     sequence: Sequence,
     traversal: &'a mut Traversal,
+    features: PhantomData<F>,
 }
 
 /// How a ray came to be.
@@ -52,20 +56,20 @@ struct Path {
     index: u32,
 }
 
-impl Estimator<'_> {
+impl<F: Features> Estimator<'_, F> {
     fn radiance(&mut self, ray: &Ray, path: Path) -> Vec3 {
         let Some(hit) = self.scene.closest(ray, self.traversal) else {
             return self.scene.background;
         };
-        let surface = self.scene.surface(ray, &hit);
-        let lit = direct(self.scene, &surface, -ray.direction, self.traversal);
+        let surface = self.scene.surface::<F>(ray, &hit);
+        let lit = direct::<F>(self.scene, &surface, -ray.direction, self.traversal);
         self.leaving(ray, &surface, lit, path)
     }
 
     /// The light that the surface sends along the ray, given its direct light.
     fn leaving(&mut self, ray: &Ray, surface: &Surface, lit: Vec3, path: Path) -> Vec3 {
-        let mirror = surface.reflectance.reflective;
-        let own = surface.reflectance.own();
+        let mirror = surface.reflectance.mirror::<F>();
+        let own = surface.reflectance.own::<F>();
         let sum = own * lit;
         let diffuse = own * surface.reflectance.diffuse;
         if path.depth == self.bounces {
@@ -80,7 +84,7 @@ impl Estimator<'_> {
     }
 
     fn follow_mirror(&mut self, ray: &Ray, surface: &Surface, mirror: Vec3, path: Path) -> Vec3 {
-        if mirror == Vec3::ZERO {
+        if !F::MIRRORS || mirror == Vec3::ZERO {
             return Vec3::ZERO;
         }
         let next = Path {
@@ -104,7 +108,11 @@ impl Estimator<'_> {
         if diffuse_share + mirror_share == 0.0 {
             return Vec3::ZERO;
         }
-        let mirror_chance = mirror_share / (diffuse_share + mirror_share);
+        let mirror_chance = if F::MIRRORS {
+            mirror_share / (diffuse_share + mirror_share)
+        } else {
+            0.0
+        };
         let count = self.splits.get(path.diffuse_bounces).copied().unwrap_or(1);
         let mut sum = Vec3::ZERO;
         for i in 0..count {

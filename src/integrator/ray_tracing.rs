@@ -1,6 +1,7 @@
 use super::direct::direct;
 use super::{ambient, reflect};
 use crate::accel::Traversal;
+use crate::material::Features;
 use crate::math::Ray;
 use crate::scene::{Scene, Surface};
 use glam::Vec3;
@@ -8,7 +9,7 @@ use glam::Vec3;
 /// The light that `surface`, which `ray` sees, sends along the ray, given its direct light:
 /// local (1 - reflective) + reflective * (what the mirror sees), where local is ambient light once
 /// and the direct light.
-pub(super) fn radiance(
+pub(super) fn radiance<F: Features>(
     scene: &Scene,
     mut ray: Ray,
     mut surface: Surface,
@@ -21,8 +22,8 @@ pub(super) fn radiance(
     let mut bounces_left = bounces;
     loop {
         let reflectance = &surface.reflectance;
-        sum += throughput * reflectance.own() * (ambient(scene) * reflectance.diffuse + lit);
-        throughput *= reflectance.reflective;
+        sum += throughput * reflectance.own::<F>() * (ambient(scene) * reflectance.diffuse + lit);
+        throughput *= reflectance.mirror::<F>();
         if throughput == Vec3::ZERO {
             return sum;
         }
@@ -34,7 +35,7 @@ pub(super) fn radiance(
         let Some(hit) = scene.closest(&ray, traversal) else {
             return sum + throughput * scene.background;
         };
-        surface = scene.surface(&ray, &hit);
-        lit = direct(scene, &surface, -ray.direction, traversal);
+        surface = scene.surface::<F>(&ray, &hit);
+        lit = direct::<F>(scene, &surface, -ray.direction, traversal);
     }
 }

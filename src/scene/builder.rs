@@ -2,7 +2,7 @@ use super::{Scene, Triangle};
 use crate::accel::Bvh;
 use crate::geometry::{Mesh, Sphere};
 use crate::light::PointLight;
-use crate::material::Material;
+use crate::material::{FeatureSet, Material};
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 
@@ -93,6 +93,8 @@ impl SceneBuilder {
             ..light
         });
 
+        let mixes = |material: &MeshMaterial| matches!(material, MeshMaterial::PerVertex(_));
+        let mixes = mesh_materials.iter().any(mixes);
         let bvh = Bvh::new(&corner_positions, spheres.clone());
         let bounds = bvh.bounds();
         let scene = Scene {
@@ -103,6 +105,7 @@ impl SceneBuilder {
             mesh_materials,
             triangles,
             sphere_materials,
+            features: FeatureSet::of(&self.materials, mixes),
             materials: self.materials,
             textures: self.textures,
             bvh,

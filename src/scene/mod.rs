@@ -14,7 +14,7 @@ pub use surface::Surface;
 use crate::accel::{Bvh, Traversal};
 use crate::geometry::{Corners, Hit, Mesh, Sphere};
 use crate::light::PointLight;
-use crate::material::Material;
+use crate::material::{FeatureSet, Material};
 use crate::math::{Aabb, Ray};
 use crate::texture::Texture;
 use glam::{DVec3, Vec3};
@@ -37,6 +37,8 @@ pub struct Scene {
     sphere_materials: Vec<usize>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
+    /// What its surfaces need: the code that is generic over it relies on that.
+    features: FeatureSet,
     bvh: Bvh,
     /// The largest absolute coordinate of any shape.
     magnitude: f32,
@@ -81,6 +83,11 @@ impl Scene {
         traversal: &mut Traversal,
     ) {
         self.bvh.occluded_of_packet(rays, occluded, traversal);
+    }
+
+    /// What its surfaces need.
+    pub fn features(&self) -> FeatureSet {
+        self.features
     }
 
     /// The box around all shapes, relative to [`Scene::origin`]; empty for an empty scene.

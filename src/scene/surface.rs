@@ -1,6 +1,6 @@
 use super::{MeshMaterial, Scene, Triangle};
 use crate::geometry::Hit;
-use crate::material::Reflectance;
+use crate::material::{Features, Reflectance};
 use crate::math::{NO_PRIMITIVE, Ray};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -33,11 +33,12 @@ struct Point {
 
 impl Scene {
     /// The surface that `ray` sees at `hit`.
-    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface {
+    #[inline]
+    pub fn surface<F: Features>(&self, ray: &Ray, hit: &Hit) -> Surface {
         let number = hit.primitive as usize;
         let point = match self.triangles.get(number) {
-            Some(triangle) => self.triangle_point(ray.at(hit.t), triangle),
-            None => self.sphere_point(ray.at(hit.t), number - self.triangles.len()),
+            Some(triangle) => self.triangle_point::<F>(ray.at(hit.t), triangle),
+            None => self.sphere_point::<F>(ray.at(hit.t), number - self.triangles.len()),
         };
         let outside = point.geometric_normal.dot(ray.direction) < 0.0;
         let geometric_normal = if outside {
@@ -68,24 +69,28 @@ impl Scene {
         }
     }
 
-    fn triangle_point(&self, position: DVec3, triangle: &Triangle) -> Point {
+    #[inline]
+    fn triangle_point<F: Features>(&self, position: DVec3, triangle: &Triangle) -> Point {
         let corners = triangle.corners;
         let mesh = &self.meshes[triangle.mesh as usize];
         let material = &self.mesh_materials[triangle.mesh as usize];
-        let same_all_over = match material {
-            MeshMaterial::Uniform(id) => {
-                mesh.normals.is_empty() && self.materials[*id].texture.is_none()
-            }
+        let is_textured = |id: usize| F::TEXTURES && self.materials[id].texture.is_some();
+        let is_of_one_color = match material {
+            MeshMaterial::Uniform(id) => !is_textured(*id),
             MeshMaterial::PerVertex(_) => false,
         };
         // Flat and of one colour: no need to know where on the triangle the point is.
-        let weights = if same_all_over {
+        let weights = if is_of_one_color && mesh.normals.is_empty() {
             [1.0, 0.0, 0.0]
         } else {
             mesh.weights(corners, position)
         };
-        let uv = mesh.uv(corners, weights);
-        let at = |material: usize| self.materials[material].at(uv, &self.textures);
+        let uv = if F::TEXTURES {
+            mesh.uv(corners, weights)
+        } else {
+            Vec2::ZERO
+        };
+        let at = |material: usize| self.materials[material].at::<F>(uv, &self.textures);
         Point {
             position,
             geometric_normal: triangle.normal,
@@ -98,19 +103,20 @@ impl Scene {
         }
     }
 
-    fn sphere_point(&self, position: DVec3, index: usize) -> Point {
+    #[inline]
+    fn sphere_point<F: Features>(&self, position: DVec3, index: usize) -> Point {
         let sphere = &self.spheres[index];
         let normal = (position - sphere.center).normalize();
         let material = &self.materials[self.sphere_materials[index]];
         let uv = match material.texture {
-            Some(_) => sphere.uv(normal),
-            None => Vec2::ZERO,
+            Some(_) if F::TEXTURES => sphere.uv(normal),
+            _ => Vec2::ZERO,
         };
         Point {
             position: sphere.center + normal * sphere.radius,
             geometric_normal: normal.as_vec3(),
             shading_normal: normal.as_vec3(),
-            reflectance: material.at(uv, &self.textures),
+            reflectance: material.at::<F>(uv, &self.textures),
             convex: [true, false],
         }
     }

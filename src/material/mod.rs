@@ -4,6 +4,10 @@
 //! surface; the shading normal is on the viewer's side; colours are linear. A Lambert surface
 //! reflects alike on both sides.
 
+mod features;
+
+pub use features::{FeatureSet, Features, Only};
+
 use crate::texture::Texture;
 use glam::{Vec2, Vec3};
 
@@ -24,13 +28,25 @@ pub struct Material {
 
 impl Material {
     /// The material at texture coordinate `uv`.
-    pub fn at(&self, uv: Vec2, textures: &[Texture]) -> Reflectance {
-        let texel = self.texture.map_or(Vec3::ONE, |id| textures[id].sample(uv));
+    #[inline]
+    pub fn at<F: Features>(&self, uv: Vec2, textures: &[Texture]) -> Reflectance {
+        let texel = match self.texture {
+            Some(id) if F::TEXTURES => textures[id].sample(uv),
+            _ => Vec3::ONE,
+        };
         Reflectance {
             diffuse: self.diffuse * texel,
-            specular: self.specular,
+            specular: if F::HIGHLIGHTS {
+                self.specular
+            } else {
+                Vec3::ZERO
+            },
             shininess: self.shininess,
-            reflective: self.reflective,
+            reflective: if F::MIRRORS {
+                self.reflective
+            } else {
+                Vec3::ZERO
+            },
         }
     }
 }
@@ -49,10 +65,20 @@ pub struct Reflectance {
 }
 
 impl Reflectance {
+    /// The share of the light that a mirror gives.
+    #[inline]
+    pub fn mirror<F: Features>(&self) -> Vec3 {
+        if F::MIRRORS {
+            self.reflective
+        } else {
+            Vec3::ZERO
+        }
+    }
+
     /// The share of the light that is not a mirror's.
     #[inline]
-    pub fn own(&self) -> Vec3 {
-        Vec3::ONE - self.reflective
+    pub fn own<F: Features>(&self) -> Vec3 {
+        Vec3::ONE - self.mirror::<F>()
     }
 
     /// The mean of three, weighted by barycentric coordinates that sum to 1.
@@ -73,13 +99,18 @@ impl Reflectance {
     /// The factor on a light's colour: kd cos + ks (R.V)^shininess, cos = N.L, for light arriving
     /// from `to_light` and leaving to `to_viewer` (Phong 1975). Zero for light from behind.
     #[inline]
-    pub fn reflect_light(&self, normal: Vec3, to_light: Vec3, to_viewer: Vec3) -> Vec3 {
+    pub fn reflect_light<F: Features>(
+        &self,
+        normal: Vec3,
+        to_light: Vec3,
+        to_viewer: Vec3,
+    ) -> Vec3 {
         let cos = normal.dot(to_light);
         if cos <= 0.0 {
             return Vec3::ZERO;
         }
         let mut factor = self.diffuse * cos;
-        if self.specular != Vec3::ZERO {
+        if F::HIGHLIGHTS && self.specular != Vec3::ZERO {
             let highlight = mirror(to_light, normal).dot(to_viewer).max(0.0);
             factor += self.specular * libm::powf(highlight, self.shininess);
         }
@@ -108,13 +139,16 @@ mod tests {
     fn lambert_and_phong_by_hand() {
         let sixty = Vec3::new(0.75_f32.sqrt(), 0.5, 0.0);
         // Viewer along the mirrored light: cos = 1/2, R.V = 1.
-        let seen = PLASTIC.reflect_light(Vec3::Y, sixty, mirror(sixty, Vec3::Y));
+        let seen = PLASTIC.reflect_light::<Only<2>>(Vec3::Y, sixty, mirror(sixty, Vec3::Y));
         assert!((seen - Vec3::new(0.75, 0.625, 0.5)).length() < 1e-6);
         // Viewer along the normal: R.V = 1/2, squared a quarter, times 1/2.
-        let seen = PLASTIC.reflect_light(Vec3::Y, sixty, Vec3::Y);
+        let seen = PLASTIC.reflect_light::<Only<2>>(Vec3::Y, sixty, Vec3::Y);
         assert!((seen - Vec3::new(0.375, 0.25, 0.125)).length() < 1e-6);
         // Light from below the surface.
-        assert_eq!(PLASTIC.reflect_light(Vec3::Y, -sixty, Vec3::Y), Vec3::ZERO);
+        assert_eq!(
+            PLASTIC.reflect_light::<Only<2>>(Vec3::Y, -sixty, Vec3::Y),
+            Vec3::ZERO
+        );
     }
 
     #[test]

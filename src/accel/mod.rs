@@ -9,7 +9,10 @@
 //! Knows shapes and boxes, never materials, files or threads.
 
 mod build;
+mod bundle;
+mod found;
 mod kernel;
+mod lanes;
 mod node;
 mod packet;
 mod simd;

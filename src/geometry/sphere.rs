@@ -21,19 +21,28 @@ impl Sphere {
         let from_center = ray.origin.as_dvec3() - self.center;
         let a = direction.length_squared();
         let half_b = from_center.dot(direction);
-        // The squared distance of the ray's line from the centre, not b^2 - ac, which cancels.
-        let nearest = from_center - direction * (half_b / a);
-        let discriminant = self.radius * self.radius - nearest.length_squared();
-        if discriminant < 0.0 {
+        let depth = self.depth(ray.origin.as_dvec3(), direction);
+        if depth < 0.0 {
             return None;
         }
-        let root = (a * discriminant).sqrt();
+        let root = (a * depth).sqrt();
         let q = -half_b - root.copysign(half_b);
         let c = (from_center.length() - self.radius) * (from_center.length() + self.radius);
         let (t0, t1) = if q == 0.0 { (0.0, 0.0) } else { (c / q, q / a) };
         [t0.min(t1), t0.max(t1)]
             .into_iter()
             .find(|&t| t > 0.0 && t < f64::from(ray.t_max))
+    }
+
+    /// How deep a line goes into the sphere: the radius squared less the squared distance from the
+    /// centre, below 0 for a line that passes by.
+    #[inline(always)]
+    pub fn depth(&self, origin: DVec3, direction: DVec3) -> f64 {
+        // Not from b^2 - ac, which cancels.
+        let from_center = origin - self.center;
+        let along = from_center.dot(direction) / direction.length_squared();
+        let nearest = from_center - direction * along;
+        self.radius * self.radius - nearest.length_squared()
     }
 
     /// The texture coordinates of the point with outward unit `normal`.

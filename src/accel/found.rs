@@ -1,0 +1,142 @@
+use super::kernel::Machine;
+use super::lanes::RayLanes;
+use super::packet::PACKET;
+use super::simd::Floats;
+use super::triangle_block::{PADDING, TriangleBlock, is_in_the_way, take_nearer};
+use super::watertight::{ShearedRays, triangle_growth};
+use super::{NOTHING, WIDTH};
+use crate::geometry::{Hit, Sphere, TrianglePlane};
+use crate::math::Ray;
+
+/// What the rays have met, and how far each still looks: less than nothing if it is done.
+pub(super) struct Found {
+    pub(super) best: [Hit; PACKET],
+    pub(super) limits: [f32; PACKET],
+}
+
+impl Found {
+    #[inline(always)]
+    pub(super) fn new<const ANY: bool>(rays: &[Ray]) -> Found {
+        let mut found = Found {
+            best: [NOTHING; PACKET],
+            limits: [-1.0; PACKET],
+        };
+        for (limit, ray) in found.limits.iter_mut().zip(rays) {
+            *limit = if ANY { ray.t_max * PADDING } else { f32::MAX };
+        }
+        found
+    }
+
+    /// How far any ray still looks.
+    #[inline(always)]
+    pub(super) fn farthest<M: Machine>(&self) -> f32 {
+        M::Many::load(&self.limits).greatest()
+    }
+
+    #[inline(always)]
+    fn meet<const ANY: bool>(&mut self, ray: &Ray, number: usize, t: f64, primitive: u32) {
+        if !ANY {
+            take_nearer(ray, t, primitive, &mut self.best[number]);
+            self.limits[number] = self.best[number].t as f32 * PADDING;
+        } else if is_in_the_way(ray, t, primitive) {
+            self.best[number] = Hit { t, primitive };
+            self.limits[number] = -1.0;
+        }
+    }
+
+    /// Those rays of a packet whose bits are set meet a sphere.
+    #[inline(always)]
+    pub(super) fn meet_sphere<M: Machine, const ANY: bool>(
+        &mut self,
+        sphere: &Sphere,
+        primitive: u32,
+        rays: &[Ray],
+        lanes: &RayLanes<M::Many>,
+        some: u32,
+    ) {
+        let mut some = some & lanes.pass_through(sphere);
+        while some != 0 {
+            let number = some.trailing_zeros() as usize % PACKET;
+            some &= some - 1;
+            if let Some(t) = sphere.intersect(&rays[number]) {
+                self.meet::<ANY>(&rays[number], number, t, primitive);
+            }
+        }
+    }
+
+    /// Those rays of a packet whose bits are set meet those triangles of a block whose bits are set;
+    /// returns whether a limit may have changed.
+    #[inline(always)]
+    pub(super) fn meet_together<M: Machine, const ANY: bool>(
+        &mut self,
+        block: &TriangleBlock,
+        mut triangles: u32,
+        rays: &[Ray],
+        lanes: &RayLanes<M::Many>,
+        some: u32,
+    ) -> bool {
+        let mut changed = false;
+        while triangles != 0 {
+            let lane = triangles.trailing_zeros() as usize % WIDTH;
+            triangles &= triangles - 1;
+            let primitive = block.ids()[lane];
+            let corners = block.one::<M::Many, PACKET>(lane, lanes.axes);
+            let mut passed = some & lanes.sheared.pass(&corners, M::Many::load(&self.limits));
+            if passed == 0 {
+                continue;
+            }
+            changed = true;
+            let plane = TrianglePlane::through(block.triangle(lane));
+            let (distances, outside) = lanes.meet(&plane);
+            while passed != 0 {
+                let number = passed.trailing_zeros() as usize % PACKET;
+                passed &= passed - 1;
+                let mut t = distances[number];
+                let growth = triangle_growth(lanes.reach[number]);
+                // False for NaN.
+                let is_inside = outside[number] <= growth;
+                if !is_inside {
+                    let (origin, direction) = lanes.line(number);
+                    t = plane.distance_in_box(origin, direction, growth, t);
+                }
+                self.meet::<ANY>(&rays[number], number, t, primitive);
+            }
+        }
+        changed
+    }
+
+    /// As [`Found::meet_together`], with all triangles, one ray after the other.
+    #[inline(always)]
+    pub(super) fn meet_one_by_one<M: Machine, const ANY: bool>(
+        &mut self,
+        block: &TriangleBlock,
+        rays: &[Ray],
+        lanes: &RayLanes<M::Many>,
+        mut some: u32,
+    ) -> bool {
+        let mut changed = false;
+        let (axes, magnitude) = (lanes.axes, lanes.magnitude);
+        while some != 0 {
+            let number = some.trailing_zeros() as usize % PACKET;
+            some &= some - 1;
+            let ray = &rays[number];
+            if self.limits[number] < 0.0 {
+                continue;
+            }
+            let sheared = ShearedRays::<M::One>::splat(ray, axes, magnitude);
+            if ANY {
+                if block.occludes(ray, axes, &sheared, magnitude) {
+                    self.best[number].primitive = 0;
+                    self.limits[number] = -1.0;
+                    changed = true;
+                }
+            } else {
+                let before = self.best[number];
+                block.closest(ray, axes, &sheared, magnitude, &mut self.best[number]);
+                self.limits[number] = self.best[number].t as f32 * PADDING;
+                changed |= before != self.best[number];
+            }
+        }
+        changed
+    }
+}

@@ -8,6 +8,9 @@ use super::{NOTHING, WIDTH};
 use crate::geometry::{Hit, Sphere, TrianglePlane};
 use crate::math::Ray;
 
+/// So many rays that pass through a triangle meet its plane together, fewer one by one.
+const MANY: u32 = 5;
+
 /// What the rays have met, and how far each still looks: less than nothing if it is done.
 pub(super) struct Found {
     pub(super) best: [Hit; PACKET],
@@ -87,14 +90,21 @@ impl Found {
             }
             changed = true;
             let plane = TrianglePlane::through(block.triangle(lane));
-            let (distances, outside) = lanes.meet(&plane);
+            let together = if passed.count_ones() >= MANY {
+                Some(lanes.meet(&plane))
+            } else {
+                None
+            };
             while passed != 0 {
                 let number = passed.trailing_zeros() as usize % PACKET;
                 passed &= passed - 1;
-                let mut t = distances[number];
+                let (mut t, outside) = match &together {
+                    Some((distances, outside)) => (distances[number], outside[number]),
+                    None => lanes.meet_one(&plane, number),
+                };
                 let growth = triangle_growth(lanes.reach[number]);
                 // False for NaN.
-                let is_inside = outside[number] <= growth;
+                let is_inside = outside <= growth;
                 if !is_inside {
                     let (origin, direction) = lanes.line(number);
                     t = plane.distance_in_box(origin, direction, growth, t);

@@ -105,6 +105,7 @@ fn check_scene(random: &mut Random) {
     let mut brute = build::build(&triangles, spheres.clone(), Kernel::Portable);
     assert_eq!(brute.validate(), Ok(()));
     brute.nodes.clear();
+    check_packets(&brute, &rays);
     let expected: Vec<Option<Hit>> = rays
         .iter()
         .map(|ray| brute.closest(ray, &mut traversal))

@@ -71,25 +71,30 @@ impl<V: Floats<PACKET>> RayLanes<V> {
     pub(super) fn meet(&self, triangle: &TrianglePlane) -> ([f64; PACKET], [f64; PACKET]) {
         let (mut distances, mut outside) = ([0.0; PACKET], [0.0; PACKET]);
         for i in 0..PACKET {
-            let (origin, direction) = self.line(i);
-            distances[i] = triangle.distance(origin, direction);
-            outside[i] = triangle.outside(origin + distances[i] * direction);
+            (distances[i], outside[i]) = self.meet_one(triangle, i);
         }
         (distances, outside)
+    }
+
+    /// As [`RayLanes::meet`], for one ray.
+    #[inline(always)]
+    pub(super) fn meet_one(&self, triangle: &TrianglePlane, i: usize) -> (f64, f64) {
+        let (origin, direction) = self.line(i);
+        let t = triangle.distance(origin, direction);
+        (t, triangle.outside(origin + t * direction))
     }
 
     /// A bit for each ray whose line passes through the sphere.
     #[inline(always)]
     pub(super) fn pass_through(&self, sphere: &Sphere) -> u32 {
-        let mut depths = [0.0; PACKET];
-        for (i, depth) in depths.iter_mut().enumerate() {
+        let mut passed_by = [0_u32; PACKET];
+        for (i, passed_by) in passed_by.iter_mut().enumerate() {
             let (origin, direction) = self.line(i);
-            *depth = sphere.depth(origin, direction);
+            *passed_by = u32::from(sphere.depth(origin, direction) < 0.0);
         }
         let mut lanes = 0;
-        for (i, depth) in depths.iter().enumerate() {
-            // True for NaN, as everything that is not certain.
-            lanes |= u32::from(!(*depth < 0.0)) << i;
+        for (i, passed_by) in passed_by.into_iter().enumerate() {
+            lanes |= (1 - passed_by) << i;
         }
         lanes
     }

@@ -29,6 +29,7 @@ use kernel::Kernel;
 use node::Node;
 use stack::Stack;
 use triangle_block::TriangleBlock;
+use watertight::permuted_axes;
 
 pub use packet::PACKET;
 pub use validate::TreeFault;
@@ -98,16 +99,28 @@ impl Bvh {
         hits: &mut [Option<Hit>],
         traversal: &mut Traversal,
     ) {
-        if rays.is_empty() {
-            return;
+        if !self.try_packet::<false>(rays, traversal, |number, found| {
+            hits[number] = (found.primitive != NO_PRIMITIVE).then_some(found);
+        }) {
+            self.closest_of_wave(rays, hits, traversal);
         }
-        let mut found = [NOTHING; PACKET];
-        let found = &mut found[..rays.len()];
-        if kernel::packet::<false>(self, rays, found, &mut traversal.packet_stack) {
-            traversal.rays += rays.len() as u64;
-            for (hit, found) in hits.iter_mut().zip(found) {
-                *hit = (found.primitive != NO_PRIMITIVE).then_some(*found);
-            }
+    }
+
+    /// The nearest primitive that each of any number of rays meets, as [`Bvh::closest`].
+    ///
+    /// Faster than one ray after the other where there is no tree.
+    pub fn closest_of_wave(
+        &self,
+        rays: &[Ray],
+        hits: &mut [Option<Hit>],
+        traversal: &mut Traversal,
+    ) {
+        if self.nodes.is_empty() {
+            packets_by_axis(rays, |rays, numbers| {
+                self.try_packet::<false>(rays, traversal, |lane, found| {
+                    hits[numbers[lane]] = (found.primitive != NO_PRIMITIVE).then_some(found);
+                });
+            });
         } else {
             for (hit, ray) in hits.iter_mut().zip(rays) {
                 *hit = self.closest(ray, traversal);
@@ -129,19 +142,72 @@ impl Bvh {
         occluded: &mut [bool],
         traversal: &mut Traversal,
     ) {
-        if rays.is_empty() {
-            return;
+        if !self.try_packet::<true>(rays, traversal, |number, found| {
+            occluded[number] = found.primitive != NO_PRIMITIVE;
+        }) {
+            self.occluded_of_wave(rays, occluded, traversal);
         }
-        let mut found = [NOTHING; PACKET];
-        let found = &mut found[..rays.len()];
-        if kernel::packet::<true>(self, rays, found, &mut traversal.packet_stack) {
-            traversal.rays += rays.len() as u64;
-            for (occluded, found) in occluded.iter_mut().zip(found) {
-                *occluded = found.primitive != NO_PRIMITIVE;
-            }
+    }
+
+    /// Whether anything lies in the interval of each of any number of rays, as [`Bvh::occluded`].
+    ///
+    /// Faster than one ray after the other where there is no tree.
+    pub fn occluded_of_wave(&self, rays: &[Ray], occluded: &mut [bool], traversal: &mut Traversal) {
+        if self.nodes.is_empty() {
+            packets_by_axis(rays, |rays, numbers| {
+                self.try_packet::<true>(rays, traversal, |lane, found| {
+                    occluded[numbers[lane]] = found.primitive != NO_PRIMITIVE;
+                });
+            });
         } else {
             for (occluded, ray) in occluded.iter_mut().zip(rays) {
                 *occluded = self.occluded(ray, traversal);
+            }
+        }
+    }
+
+    /// Says what each ray of a packet meets, if they have enough in common; otherwise returns false.
+    fn try_packet<const ANY: bool>(
+        &self,
+        rays: &[Ray],
+        traversal: &mut Traversal,
+        mut say: impl FnMut(usize, Hit),
+    ) -> bool {
+        if rays.is_empty() {
+            return true;
+        }
+        let mut found = [NOTHING; PACKET];
+        let found = &mut found[..rays.len()];
+        let is_packet = kernel::packet::<ANY>(self, rays, found, &mut traversal.packet_stack);
+        if is_packet {
+            traversal.rays += rays.len() as u64;
+            for (number, found) in found.iter().enumerate() {
+                say(number, *found);
+            }
+        }
+        is_packet
+    }
+}
+
+/// Hands out packets of rays that have the same main axis, and their numbers in `rays`.
+fn packets_by_axis(rays: &[Ray], mut packet: impl FnMut(&[Ray], &[usize])) {
+    const MANY: usize = 4 * PACKET;
+    for (rays, first) in rays.chunks(MANY).zip((0..).step_by(MANY)) {
+        let mut numbers = [[0; MANY]; 3];
+        let mut counts = [0; 3];
+        for (number, ray) in rays.iter().enumerate() {
+            let axis = permuted_axes(ray.direction)[2];
+            numbers[axis][counts[axis] % MANY] = number;
+            counts[axis] += 1;
+        }
+        for (numbers, count) in numbers.iter_mut().zip(counts) {
+            for numbers in numbers[..count].chunks_mut(PACKET) {
+                let mut same = [rays[0]; PACKET];
+                for (ray, number) in same.iter_mut().zip(&mut *numbers) {
+                    *ray = rays[*number];
+                    *number += first;
+                }
+                packet(&same[..numbers.len()], numbers);
             }
         }
     }

@@ -67,9 +67,17 @@ fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
     }
 }
 
-/// Rays of a packet find what they find alone: as they come, and side by side.
+/// Rays of a wave and of a packet find what they find alone: as they come, and side by side.
 pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
     let mut traversal = Traversal::default();
+    let mut hits = vec![None; rays.len()];
+    bvh.closest_of_wave(rays, &mut hits, &mut traversal);
+    let mut occluded = vec![false; rays.len()];
+    bvh.occluded_of_wave(rays, &mut occluded, &mut traversal);
+    for ((ray, hit), occluded) in rays.iter().zip(hits).zip(occluded) {
+        assert_eq!(hit, bvh.closest(ray, &mut traversal), "{ray:?}");
+        assert_eq!(occluded, bvh.occluded(ray, &mut traversal), "{ray:?}");
+    }
     let beside = |ray: &Ray, i: usize| {
         let turned = ray.direction + ray.direction.yzx() * (i as f32 * 1e-3);
         Ray::new(ray.origin, turned)

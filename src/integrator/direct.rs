@@ -27,31 +27,59 @@ pub(super) fn direct<F: Features>(
 }
 
 /// As [`direct`], for the surfaces that camera rays see: their shadow rays run side by side.
-pub(super) fn direct_of_packet<F: Features>(
+pub(super) fn direct_of_neighbours<F: Features>(
     scene: &Scene,
     seen: &[Option<Surface>],
-    camera_rays: &[Ray],
+    rays: &[Ray],
     traversal: &mut Traversal,
-) -> [Vec3; PACKET] {
-    let mut sums = [Vec3::ZERO; PACKET];
+) -> Vec<Vec3> {
+    direct_of::<F>(scene, seen, rays, |rays, occluded| {
+        for (rays, occluded) in rays.chunks(PACKET).zip(occluded.chunks_mut(PACKET)) {
+            scene.occluded_of_packet(rays, occluded, traversal);
+        }
+    })
+}
+
+/// As [`direct`], for surfaces all over the scene.
+pub(super) fn direct_of_wave<F: Features>(
+    scene: &Scene,
+    seen: &[Option<Surface>],
+    rays: &[Ray],
+    traversal: &mut Traversal,
+) -> Vec<Vec3> {
+    direct_of::<F>(scene, seen, rays, |rays, occluded| {
+        scene.occluded_of_wave(rays, occluded, traversal);
+    })
+}
+
+/// As [`direct`], for the surfaces that `rays` see, all shadow rays of a light at once.
+fn direct_of<F: Features>(
+    scene: &Scene,
+    seen: &[Option<Surface>],
+    rays: &[Ray],
+    mut occluded: impl FnMut(&[Ray], &mut [bool]),
+) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::ZERO; seen.len()];
+    let mut shadow_rays = Vec::with_capacity(seen.len());
+    let mut contributions = Vec::with_capacity(seen.len());
+    let mut is_occluded = vec![false; seen.len()];
     for light in &scene.lights {
-        let mut rays = [camera_rays[0]; PACKET];
-        let mut owners = [(0, Vec3::ZERO); PACKET];
-        let mut count = 0;
-        for (number, (surface, ray)) in seen.iter().zip(camera_rays).enumerate() {
+        shadow_rays.clear();
+        contributions.clear();
+        for (number, (surface, ray)) in seen.iter().zip(rays).enumerate() {
             if let Some(surface) = surface
                 && let Some((light, shadow_ray)) = unoccluded::<F>(light, surface, -ray.direction)
             {
-                rays[count] = shadow_ray;
-                owners[count] = (number, light);
-                count += 1;
+                shadow_rays.push(shadow_ray);
+                contributions.push((number, light));
             }
         }
-        let mut occluded = [false; PACKET];
-        scene.occluded_of_packet(&rays[..count], &mut occluded[..count], traversal);
-        for ((owner, light), occluded) in owners[..count].iter().zip(occluded) {
-            if !occluded {
-                sums[*owner] += light;
+        let is_occluded = &mut is_occluded[..shadow_rays.len()];
+        is_occluded.fill(false);
+        occluded(&shadow_rays, is_occluded);
+        for ((number, light), is_occluded) in contributions.iter().zip(is_occluded) {
+            if !*is_occluded {
+                sums[*number] += light;
             }
         }
     }

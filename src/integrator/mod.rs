@@ -12,7 +12,7 @@ use crate::material::{FeatureSet, Features, Only, mirror};
 use crate::math::Ray;
 use crate::sampling::Sequence;
 use crate::scene::{Scene, Surface};
-use direct::direct_of_packet;
+use direct::direct_of_neighbours;
 use glam::Vec3;
 
 /// A way to work out the light along a camera ray.
@@ -44,8 +44,8 @@ pub struct CameraSample {
 }
 
 impl Integrator {
-    /// The radiance that arrives along each of up to [`PACKET`] camera rays. Each gets what it would
-    /// get alone; together they are faster if they run side by side.
+    /// The radiance that arrives along each of the camera rays. Each gets what it would get alone;
+    /// together they are faster if they run side by side.
     pub fn radiance(
         &self,
         scene: &Scene,
@@ -64,32 +64,28 @@ impl Integrator {
         traversal: &mut Traversal,
         radiance: &mut [Vec3],
     ) {
-        let mut rays = [samples[0].ray; PACKET];
-        for (ray, sample) in rays.iter_mut().zip(samples) {
-            *ray = sample.ray;
+        let rays: Vec<Ray> = samples.iter().map(|sample| sample.ray).collect();
+        let mut hits = vec![None; rays.len()];
+        for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
+            scene.closest_of_packet(rays, hits, traversal);
         }
-        let rays = &rays[..samples.len()];
-        let mut hits = [None; PACKET];
-        scene.closest_of_packet(rays, &mut hits[..rays.len()], traversal);
-        let mut surfaces = [None; PACKET];
-        for ((surface, hit), ray) in surfaces.iter_mut().zip(hits).zip(rays) {
-            *surface = hit.map(|hit| scene.surface::<F>(ray, &hit));
-        }
-        let lit = direct_of_packet::<F>(scene, &surfaces, rays, traversal);
-        for (((radiance, sample), surface), lit) in
-            radiance.iter_mut().zip(samples).zip(surfaces).zip(lit)
-        {
-            *radiance = match (surface, self) {
-                (None, _) => scene.background,
-                (Some(surface), Integrator::RayTracing { bounces }) => {
-                    ray_tracing::radiance::<F>(scene, sample.ray, surface, lit, *bounces, traversal)
+        let surface =
+            |(ray, hit): (&Ray, &Option<_>)| hit.as_ref().map(|hit| scene.surface::<F>(ray, hit));
+        let surfaces: Vec<Option<Surface>> = rays.iter().zip(&hits).map(surface).collect();
+        let lit = direct_of_neighbours::<F>(scene, &surfaces, &rays, traversal);
+        match self {
+            Integrator::RayTracing { bounces } => {
+                for (((radiance, ray), surface), lit) in
+                    radiance.iter_mut().zip(rays).zip(surfaces).zip(lit)
+                {
+                    *radiance = surface.map_or(scene.background, |surface| {
+                        ray_tracing::radiance::<F>(scene, ray, surface, lit, *bounces, traversal)
+                    });
                 }
-                (Some(surface), Integrator::MonteCarlo { bounces, splits }) => {
-                    monte_carlo::radiance::<F>(
-                        scene, sample, &surface, lit, *bounces, splits, traversal,
-                    )
-                }
-            };
+            }
+            Integrator::MonteCarlo { bounces, splits } => monte_carlo::radiance::<F>(
+                scene, samples, &surfaces, &lit, *bounces, splits, traversal, radiance,
+            ),
         }
     }
 }

@@ -1,4 +1,4 @@
-use super::direct::direct;
+use super::direct::direct_of_wave;
 use super::{CameraSample, ambient, reflect};
 use crate::accel::Traversal;
 use crate::material::Features;
@@ -8,46 +8,50 @@ use crate::scene::{Scene, Surface};
 use glam::Vec3;
 use std::marker::PhantomData;
 
-/// An unbiased estimate of the light that `surface`, which a camera ray sees, sends along the ray,
-/// given its direct light; all paths of up to `bounces` bounces counted. Light that a mirror throws
-/// from a point light onto a surface (a caustic) is not.
+/// So many paths take their next step together.
+const WAVE: usize = 64;
+
+/// Unbiased estimates of the light that reaches the camera along the samples' rays, given the surfaces
+/// that they see and the direct light there; all paths of up to `bounces` bounces counted. Light that
+/// a mirror throws from a point light onto a surface (a caustic) is not.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "what is known of the samples, side by side"
+)]
 pub(super) fn radiance<F: Features>(
     scene: &Scene,
-    sample: &CameraSample,
-    surface: &Surface,
-    lit: Vec3,
+    samples: &[CameraSample],
+    surfaces: &[Option<Surface>],
+    lit: &[Vec3],
     bounces: u32,
     splits: &[u32],
     traversal: &mut Traversal,
-) -> Vec3 {
+    radiance: &mut [Vec3],
+) {
     let mut estimator = Estimator::<F> {
         scene,
         bounces,
         splits,
-        sequence: sample.sequence,
         traversal,
         features: PhantomData,
     };
-    let path = Path {
+    let from_camera = |sample: &CameraSample| Path {
+        ray: sample.ray,
+        sequence: sample.sequence,
         depth: 0,
         diffuse_bounces: 0,
         index: sample.index,
     };
-    estimator.leaving(&sample.ray, surface, lit, path)
+    let paths: Vec<Path> = samples.iter().map(from_camera).collect();
+    estimator.leaving(&paths, surfaces, lit, radiance);
 }
 
-struct Estimator<'a, F> {
-    scene: &'a Scene,
-    bounces: u32,
-    splits: &'a [u32],
-    sequence: Sequence,
-    traversal: &'a mut Traversal,
-    features: PhantomData<F>,
-}
-
-/// How a ray came to be.
+/// The last ray of a path, and how it came to be.
 #[derive(Clone, Copy)]
 struct Path {
+    ray: Ray,
+    /// The random numbers of its pixel.
+    sequence: Sequence,
     /// Bounces since the camera.
     depth: u32,
     /// Those of them that were diffuse.
@@ -56,57 +60,107 @@ struct Path {
     index: u32,
 }
 
+/// A path that goes on from another, and its share in the light of that.
+struct Branch {
+    parent: usize,
+    share: Vec3,
+    path: Path,
+}
+
+struct Estimator<'a, F> {
+    scene: &'a Scene,
+    bounces: u32,
+    splits: &'a [u32],
+    traversal: &'a mut Traversal,
+    features: PhantomData<F>,
+}
+
 impl<F: Features> Estimator<'_, F> {
-    fn radiance(&mut self, ray: &Ray, path: Path) -> Vec3 {
-        let Some(hit) = self.scene.closest(ray, self.traversal) else {
-            return self.scene.background;
+    /// The light along the last rays of up to [`WAVE`] paths.
+    fn radiance(&mut self, paths: &[Path], radiance: &mut [Vec3]) {
+        let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
+        let mut hits = vec![None; rays.len()];
+        self.scene.closest_of_wave(&rays, &mut hits, self.traversal);
+        let surface = |(ray, hit): (&Ray, &Option<_>)| {
+            hit.as_ref().map(|hit| self.scene.surface::<F>(ray, hit))
         };
-        let surface = self.scene.surface::<F>(ray, &hit);
-        let lit = direct::<F>(self.scene, &surface, -ray.direction, self.traversal);
-        self.leaving(ray, &surface, lit, path)
+        let surfaces: Vec<Option<Surface>> = rays.iter().zip(&hits).map(surface).collect();
+        let lit = direct_of_wave::<F>(self.scene, &surfaces, &rays, self.traversal);
+        self.leaving(paths, &surfaces, &lit, radiance);
     }
 
-    /// The light that the surface sends along the ray, given its direct light.
-    fn leaving(&mut self, ray: &Ray, surface: &Surface, lit: Vec3, path: Path) -> Vec3 {
-        let mirror = surface.reflectance.mirror::<F>();
-        let own = surface.reflectance.own::<F>();
-        let sum = own * lit;
-        let diffuse = own * surface.reflectance.diffuse;
-        if path.depth == self.bounces {
-            sum + (diffuse + mirror) * ambient(self.scene)
-        } else if path.diffuse_bounces == 0 {
-            // What the camera sees, also through mirrors, is worth both.
-            sum + self.gather(ray, surface, diffuse, Vec3::ZERO, path)
-                + self.follow_mirror(ray, surface, mirror, path)
-        } else {
-            sum + self.gather(ray, surface, diffuse, mirror, path)
+    /// The light that the surfaces at the ends of paths send along their last rays, given the direct
+    /// light there.
+    ///
+    /// Every path's light is a sum over its own branches, in their order: it does not depend on which
+    /// paths take their steps together.
+    fn leaving(
+        &mut self,
+        paths: &[Path],
+        surfaces: &[Option<Surface>],
+        lit: &[Vec3],
+        radiance: &mut [Vec3],
+    ) {
+        let mut branches = Vec::with_capacity(WAVE);
+        for (parent, path) in paths.iter().enumerate() {
+            let Some(surface) = &surfaces[parent] else {
+                radiance[parent] = self.scene.background;
+                continue;
+            };
+            let own = surface.reflectance.own::<F>();
+            let mirror = surface.reflectance.mirror::<F>();
+            let diffuse = own * surface.reflectance.diffuse;
+            radiance[parent] = own * lit[parent];
+            let mut branch = |share, path| {
+                branches.push(Branch {
+                    parent,
+                    share,
+                    path,
+                });
+            };
+            if path.depth == self.bounces {
+                radiance[parent] += (diffuse + mirror) * ambient(self.scene);
+            } else if path.diffuse_bounces == 0 {
+                // What the camera sees, also through mirrors, is worth both.
+                self.gather(path, surface, diffuse, Vec3::ZERO, &mut branch);
+                follow_mirror::<F>(path, surface, mirror, &mut branch);
+            } else {
+                self.gather(path, surface, diffuse, mirror, &mut branch);
+            }
+            // No more than needed for full waves: they stay in the cache.
+            if branches.len() >= WAVE {
+                self.follow(&mut branches, radiance);
+            }
         }
+        self.follow(&mut branches, radiance);
     }
 
-    fn follow_mirror(&mut self, ray: &Ray, surface: &Surface, mirror: Vec3, path: Path) -> Vec3 {
-        if !F::MIRRORS || mirror == Vec3::ZERO {
-            return Vec3::ZERO;
+    /// Adds the light of branches to that of the paths that they go on from.
+    fn follow(&mut self, branches: &mut Vec<Branch>, radiance: &mut [Vec3]) {
+        for wave in branches.chunks(WAVE) {
+            let paths: Vec<Path> = wave.iter().map(|branch| branch.path).collect();
+            let mut light = [Vec3::ZERO; WAVE];
+            self.radiance(&paths, &mut light);
+            for (branch, light) in wave.iter().zip(light) {
+                radiance[branch.parent] += branch.share * light;
+            }
         }
-        let next = Path {
-            depth: path.depth + 1,
-            ..path
-        };
-        mirror * self.radiance(&reflect(surface, ray), next)
+        branches.clear();
     }
 
-    /// The mean over as many paths as the schedule gives, each leaving by the diffuse lobe or by
+    /// As many branches as the schedule gives, whose mean it is, each leaving by the diffuse lobe or by
     /// the mirror with a chance in proportion to what they reflect.
     fn gather(
-        &mut self,
-        ray: &Ray,
+        &self,
+        path: &Path,
         surface: &Surface,
         diffuse: Vec3,
         mirror: Vec3,
-        path: Path,
-    ) -> Vec3 {
+        branch: &mut impl FnMut(Vec3, Path),
+    ) {
         let (diffuse_share, mirror_share) = (diffuse.element_sum(), mirror.element_sum());
         if diffuse_share + mirror_share == 0.0 {
-            return Vec3::ZERO;
+            return;
         }
         let mirror_chance = if F::MIRRORS {
             mirror_share / (diffuse_share + mirror_share)
@@ -114,29 +168,45 @@ impl<F: Features> Estimator<'_, F> {
             0.0
         };
         let count = self.splits.get(path.diffuse_bounces).copied().unwrap_or(1);
-        let mut sum = Vec3::ZERO;
+        let (diffuse, mirror) = (diffuse / count as f32, mirror / count as f32);
         for i in 0..count {
-            let next = Path {
+            let mut next = Path {
                 depth: path.depth + 1,
                 diffuse_bounces: path.diffuse_bounces + 1,
                 index: path.index.wrapping_mul(count).wrapping_add(i),
+                ..*path
             };
             let by_mirror = mirror_chance > 0.0
-                && self.sequence.sample_1d(next.index, next.depth) < mirror_chance;
+                && path.sequence.sample_1d(next.index, next.depth) < mirror_chance;
             if by_mirror {
                 let index = next.index;
-                let weight = mirror / mirror_chance;
-                sum += self.follow_mirror(ray, surface, weight, Path { index, ..path });
+                let share = mirror / mirror_chance;
+                follow_mirror::<F>(&Path { index, ..*path }, surface, share, branch);
                 continue;
             }
-            let [u, v] = self.sequence.sample_2d(next.index, next.depth);
+            let [u, v] = path.sequence.sample_2d(next.index, next.depth);
             let direction = to_world(surface.shading_normal, cosine_hemisphere(u, v));
             // Below the shape's own horizon an interpolated normal gathers nothing.
             if direction.dot(surface.geometric_normal) > 0.0 {
-                let weight = diffuse / (1.0 - mirror_chance);
-                sum += weight * self.radiance(&surface.leave(direction), next);
+                next.ray = surface.leave(direction);
+                branch(diffuse / (1.0 - mirror_chance), next);
             }
         }
-        sum / count as f32
+    }
+}
+
+fn follow_mirror<F: Features>(
+    path: &Path,
+    surface: &Surface,
+    mirror: Vec3,
+    branch: &mut impl FnMut(Vec3, Path),
+) {
+    if F::MIRRORS && mirror != Vec3::ZERO {
+        let next = Path {
+            ray: reflect(surface, &path.ray),
+            depth: path.depth + 1,
+            ..*path
+        };
+        branch(mirror, next);
     }
 }

@@ -1,5 +1,5 @@
 use super::{PixelSampling, RenderSettings};
-use crate::accel::{PACKET, Traversal};
+use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrator::CameraSample;
@@ -11,6 +11,9 @@ use rayon::prelude::*;
 /// Tiles are squares of this many points: neighbours share what they touch in the cache, and there
 /// are enough tiles to keep every thread busy.
 const TILE: u32 = 16;
+
+/// So many camera rays set out together.
+const BATCH: usize = 64;
 
 /// A frame and what it took.
 #[derive(Debug)]
@@ -127,19 +130,19 @@ impl Work {
         sums: &mut [Vec3],
     ) {
         let mut samples = samples.peekable();
-        let mut packet = Vec::with_capacity(PACKET);
-        let mut numbers = Vec::with_capacity(PACKET);
+        let mut batch = Vec::with_capacity(BATCH);
+        let mut numbers = Vec::with_capacity(BATCH);
         while samples.peek().is_some() {
-            packet.clear();
+            batch.clear();
             numbers.clear();
-            for (number, sample) in samples.by_ref().take(PACKET) {
+            for (number, sample) in samples.by_ref().take(BATCH) {
                 numbers.push(number);
-                packet.push(sample);
+                batch.push(sample);
             }
-            let mut radiance = [Vec3::ZERO; PACKET];
+            let mut radiance = [Vec3::ZERO; BATCH];
             settings
                 .integrator
-                .radiance(scene, &packet, &mut self.traversal, &mut radiance);
+                .radiance(scene, &batch, &mut self.traversal, &mut radiance);
             for (number, light) in numbers.iter().zip(radiance) {
                 if light.is_finite() {
                     sums[*number] += light;

@@ -85,6 +85,21 @@ impl Scene {
         self.bvh.occluded_of_packet(rays, occluded, traversal);
     }
 
+    /// As [`Scene::closest`], of rays that have nothing in common.
+    pub fn closest_of_wave(
+        &self,
+        rays: &[Ray],
+        hits: &mut [Option<Hit>],
+        traversal: &mut Traversal,
+    ) {
+        self.bvh.closest_of_wave(rays, hits, traversal);
+    }
+
+    /// As [`Scene::occluded`], of rays that have nothing in common.
+    pub fn occluded_of_wave(&self, rays: &[Ray], occluded: &mut [bool], traversal: &mut Traversal) {
+        self.bvh.occluded_of_wave(rays, occluded, traversal);
+    }
+
     /// What its surfaces need.
     pub fn features(&self) -> FeatureSet {
         self.features

@@ -1,4 +1,5 @@
 use super::Material;
+use glam::Vec3;
 
 /// What the surfaces of a scene need. Code that is generic over it is compiled for each set: what a
 /// scene does not need costs it no branch and no fetch.
@@ -24,6 +25,10 @@ impl<const NUMBER: usize> Features for Only<NUMBER> {
     const MIXTURES: bool = NUMBER & 8 != 0;
 }
 
+// As FeatureSet numbers them.
+const _: () = assert!(Only::<1>::TEXTURES && Only::<2>::HIGHLIGHTS && !Only::<13>::HIGHLIGHTS);
+const _: () = assert!(Only::<4>::MIRRORS && Only::<8>::MIXTURES && !Only::<11>::MIRRORS);
+
 /// The features that a scene needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeatureSet(usize);
@@ -32,13 +37,15 @@ impl FeatureSet {
     /// How many sets there are.
     pub const COUNT: usize = 16;
 
-    /// What these materials need; `mixes` says whether a triangle mixes some.
-    pub fn of(materials: &[Material], mixes: bool) -> FeatureSet {
-        let any = |needs: fn(&Material) -> bool| usize::from(materials.iter().any(needs));
-        let textures = any(|m| m.texture.is_some());
-        let highlights = any(|m| m.specular != glam::Vec3::ZERO);
-        let mirrors = any(|m| m.reflective != glam::Vec3::ZERO);
-        FeatureSet(textures | highlights << 1 | mirrors << 2 | usize::from(mixes) << 3)
+    /// What materials need; `mixes` says whether a triangle mixes some.
+    pub fn of<'a>(materials: impl IntoIterator<Item = &'a Material>, mixes: bool) -> FeatureSet {
+        let mut set = usize::from(mixes) << 3;
+        for material in materials {
+            set |= usize::from(material.texture.is_some());
+            set |= usize::from(material.specular != Vec3::ZERO) << 1;
+            set |= usize::from(material.reflective != Vec3::ZERO) << 2;
+        }
+        FeatureSet(set)
     }
 
     /// The number of the set, below [`FeatureSet::COUNT`].

@@ -93,8 +93,19 @@ impl SceneBuilder {
             ..light
         });
 
-        let mixes = |material: &MeshMaterial| matches!(material, MeshMaterial::PerVertex(_));
-        let mixes = mesh_materials.iter().any(mixes);
+        let mut used = sphere_materials.clone();
+        let mut mixes = false;
+        for material in &mesh_materials {
+            match material {
+                MeshMaterial::Uniform(id) => used.push(*id),
+                MeshMaterial::PerVertex(ids) => {
+                    used.extend(ids);
+                    mixes = true;
+                }
+            }
+        }
+        let used = used.into_iter().map(|id| &self.materials[id]);
+        let features = FeatureSet::of(used, mixes);
         let bvh = Bvh::new(&corner_positions, spheres.clone());
         let bounds = bvh.bounds();
         let scene = Scene {
@@ -105,7 +116,7 @@ impl SceneBuilder {
             mesh_materials,
             triangles,
             sphere_materials,
-            features: FeatureSet::of(&self.materials, mixes),
+            features,
             materials: self.materials,
             textures: self.textures,
             bvh,
@@ -133,4 +144,57 @@ fn middle(points: impl Iterator<Item = DVec3>) -> Option<DVec3> {
         .map(|p| (p, p))
         .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
         .map(|(min, max)| 0.5 * min + 0.5 * max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PLAIN: Material = Material {
+        diffuse: Vec3::ONE,
+        texture: None,
+        specular: Vec3::ZERO,
+        shininess: 1.0,
+        reflective: Vec3::ZERO,
+    };
+
+    #[test]
+    fn only_what_is_used_counts() {
+        let materials = vec![
+            PLAIN,
+            Material {
+                texture: Some(0),
+                ..PLAIN
+            },
+            Material {
+                specular: Vec3::X,
+                ..PLAIN
+            },
+            Material {
+                reflective: Vec3::X,
+                ..PLAIN
+            },
+        ];
+        let of_scene = |material: MeshMaterial| {
+            let mesh = SourceMesh {
+                positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+                normals: vec![],
+                uvs: vec![],
+                triangles: vec![[0, 1, 2]],
+                material,
+            };
+            let builder = SceneBuilder {
+                materials: materials.clone(),
+                meshes: vec![mesh],
+                ..SceneBuilder::default()
+            };
+            builder.build().0.features().number()
+        };
+        assert_eq!(
+            [0, 1, 2, 3].map(|id| of_scene(MeshMaterial::Uniform(id))),
+            [0, 1, 2, 4]
+        );
+        assert_eq!(of_scene(MeshMaterial::PerVertex([0, 0, 0])), 8);
+        assert_eq!(of_scene(MeshMaterial::PerVertex([1, 2, 3])), 15);
+    }
 }

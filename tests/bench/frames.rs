@@ -1,15 +1,24 @@
-//! Seconds and rays of whole frames, by mode: `cargo bench --bench frames`.
+//! Seconds and rays of whole frames: `cargo bench --bench frames`.
 //!
-//! `cargo bench --bench frames -- test3` runs the rows whose names contain the word. Each row is
-//! the median of five runs, the first of which is not counted, on all threads.
+//! By mode; on 1 to all threads; beside the rays of the frame alone. `cargo bench --bench frames --
+//! test3` runs only the rows of the first table whose names contain the word. Times are the median of
+//! five runs after one that is not counted, on all threads.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
     reason = "a benchmark prints or fails"
 )]
 
+use flythrough::accel::{PACKET, Traversal};
+use flythrough::camera::Camera;
 use flythrough::input::{InputFiles, Settings, load_camera_path, load_scene};
-use flythrough::render::render_frame;
+use flythrough::material::Only;
+use flythrough::math::Ray;
+use flythrough::render::{RenderSettings, render_frame};
+use flythrough::sampling::Sequence;
+use flythrough::scene::{Scene, Surface};
+use glam::DVec2;
+use rayon::prelude::*;
 use std::path::Path;
 use std::time::Instant;
 
@@ -87,26 +96,166 @@ fn main() {
     println!("| frame | seconds | rays | million rays per second |");
     println!("|---|---|---|---|");
     for (name, scene, path, frame, settings) in rows() {
-        if !wanted.iter().all(|word| name.contains(word.as_str())) {
-            continue;
+        if wanted.iter().all(|word| name.contains(word.as_str())) {
+            let frame = Frame::load(scene, path, frame, settings);
+            let (seconds, rays) = frame.render();
+            let rate = rays as f64 / seconds / 1e6;
+            println!("| {name} | {seconds:.3} | {rays} | {rate:.1} |");
         }
+    }
+    if wanted.is_empty() {
+        let (name, scene, path, number, settings) = rows().remove(5);
+        let frame = Frame::load(scene, path, number, settings);
+        by_threads(name, &frame);
+        beside_its_rays(name, &frame);
+    }
+}
+
+struct Frame {
+    scene: Scene,
+    camera: Camera,
+    settings: RenderSettings,
+    number: u32,
+}
+
+impl Frame {
+    fn load(scene: &str, path: &str, number: u32, settings: Settings) -> Frame {
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
         let mut files = InputFiles::default();
         let scene = load_scene(&root.join(format!("scenes/{scene}.ron")), &mut files).unwrap();
         let path = load_camera_path(&root.join(format!("paths/{path}.ron")), &mut files).unwrap();
-        let (camera, settings) = (path.path.camera(frame), settings.resolve());
-        let mut rays = 0;
-        let mut seconds: Vec<f64> = (0..=RUNS)
-            .map(|_| {
-                let start = Instant::now();
-                rays = render_frame(&scene.scene, &camera, &settings, frame, &|_| ()).rays;
-                start.elapsed().as_secs_f64()
-            })
-            .skip(1)
-            .collect();
-        seconds.sort_by(f64::total_cmp);
-        let median = seconds[RUNS / 2];
-        let rate = rays as f64 / median / 1e6;
-        println!("| {name} | {median:.3} | {rays} | {rate:.1} |");
+        Frame {
+            scene: scene.scene,
+            camera: path.path.camera(number),
+            settings: settings.resolve(),
+            number,
+        }
     }
+
+    /// Seconds and rays.
+    fn render(&self) -> (f64, u64) {
+        let mut rays = 0;
+        let seconds = median(|| {
+            let none = |_| ();
+            rays = render_frame(
+                &self.scene,
+                &self.camera,
+                &self.settings,
+                self.number,
+                &none,
+            )
+            .rays;
+        });
+        (seconds, rays)
+    }
+}
+
+fn median(mut work: impl FnMut()) -> f64 {
+    let mut seconds: Vec<f64> = (0..=RUNS)
+        .map(|_| {
+            let start = Instant::now();
+            work();
+            start.elapsed().as_secs_f64()
+        })
+        .skip(1)
+        .collect();
+    seconds.sort_by(f64::total_cmp);
+    seconds[RUNS / 2]
+}
+
+fn by_threads(name: &str, frame: &Frame) {
+    println!("\n| {name}: threads | seconds | times as fast |\n|---|---|---|");
+    let mut alone = None;
+    for threads in 1..=std::thread::available_parallelism().unwrap().get() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let (seconds, _) = pool.build().unwrap().install(|| frame.render());
+        let speedup = *alone.get_or_insert(seconds) / seconds;
+        println!("| {threads} | {seconds:.3} | {speedup:.2} |");
+    }
+}
+
+/// The rays of a frame without anything around them: its camera rays and their shadow rays, packet by
+/// packet as far as possible.
+fn beside_its_rays(name: &str, frame: &Frame) {
+    let (whole, rays) = frame.render();
+    let tiles = tiles(frame);
+    let count: usize = tiles.iter().flatten().map(|(_, rays)| rays.len()).sum();
+    let seconds = median(|| {
+        tiles.par_iter().for_each(|packets| {
+            let mut traversal = Traversal::default();
+            for (is_shadow, rays) in packets {
+                if *is_shadow {
+                    let mut occluded = [false; PACKET];
+                    frame
+                        .scene
+                        .occluded_of_packet(rays, &mut occluded, &mut traversal);
+                    std::hint::black_box(occluded);
+                } else {
+                    let mut hits = [None; PACKET];
+                    frame
+                        .scene
+                        .closest_of_packet(rays, &mut hits, &mut traversal);
+                    std::hint::black_box(hits);
+                }
+            }
+        });
+    });
+    let (per_ray, alone) = (whole / rays as f64, seconds / count as f64);
+    println!("\n| {name} | rays | ns per ray | ratio |\n|---|---|---|---|");
+    println!(
+        "| whole frame | {rays} | {:.1} | {:.2} |",
+        1e9 * per_ray,
+        per_ray / alone
+    );
+    println!(
+        "| camera rays and their shadow rays alone | {count} | {:.1} | 1 |",
+        1e9 * alone
+    );
+}
+
+/// For tiles of 8 x 8 pixels: packets of rays, and whether they are shadow rays.
+fn tiles(frame: &Frame) -> Vec<Vec<(bool, Vec<Ray>)>> {
+    const TILE: u32 = 8;
+    let (width, height) = (frame.settings.width, frame.settings.height);
+    let size = DVec2::new(width.into(), height.into());
+    let (columns, rows) = (width / TILE, height / TILE);
+    let tile = |number: u32| {
+        let corner = (number % columns * TILE, number / columns * TILE);
+        let mut packets = Vec::new();
+        let mut traversal = Traversal::default();
+        // Two by two pixels of four samples each.
+        for block in 0..TILE * TILE / 4 {
+            let mut rays = Vec::with_capacity(PACKET);
+            for i in 0..PACKET as u32 {
+                let x = corner.0 + block % (TILE / 2) * 2 + i / 4 % 2;
+                let y = corner.1 + block / (TILE / 2) * 2 + i / 8;
+                let sequence = Sequence::new(frame.settings.seed, frame.number, x, y);
+                let [u, v] = sequence.sample_2d(i % 4, 0);
+                let film = DVec2::new((x as f32 + u).into(), (y as f32 + v).into());
+                rays.push(frame.camera.ray(film, size, frame.scene.origin));
+            }
+            let mut hits = [None; PACKET];
+            frame
+                .scene
+                .closest_of_packet(&rays, &mut hits, &mut traversal);
+            let surfaces: Vec<_> = rays
+                .iter()
+                .zip(hits)
+                .filter_map(|(ray, hit)| Some(frame.scene.surface::<Only<0>>(ray, &hit?)))
+                .collect();
+            packets.push((false, rays));
+            for light in &frame.scene.lights {
+                let towards = |surface: &Surface| {
+                    let to_light = light.position - surface.position;
+                    let is_before = to_light.dot(surface.geometric_normal) > 0.0;
+                    let distance = to_light.length();
+                    is_before
+                        .then(|| surface.towards(light.position, to_light / distance, distance))
+                };
+                packets.push((true, surfaces.iter().filter_map(towards).collect()));
+            }
+        }
+        packets
+    };
+    (0..columns * rows).into_par_iter().map(tile).collect()
 }

@@ -61,7 +61,7 @@ impl PacketStack {
     }
 }
 
-/// The answers for up to sixteen rays: [`NOTHING`] for none; if `ANY`, anything else if something
+/// The answers for up to sixteen rays: [`NOTHING`](super::NOTHING) for none; if `ANY`, anything else if something
 /// lies in the ray's interval. Returns false, and leaves `hits` alone, if the rays do not all run
 /// along the same main axis or, if there is a tree, into the same octant.
 #[inline(always)]

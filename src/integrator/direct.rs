@@ -5,28 +5,7 @@ use crate::math::Ray;
 use crate::scene::{Scene, Surface};
 use glam::Vec3;
 
-/// The light of all point lights that the surface, without its mirror, sends to the viewer.
-///
-/// `viewer` is the unit direction to the viewer. A light behind the surface's shape or behind its
-/// shading normal does not reach it, and a perfect mirror sends none of it.
-pub(super) fn direct<F: Features>(
-    scene: &Scene,
-    surface: &Surface,
-    viewer: Vec3,
-    traversal: &mut Traversal,
-) -> Vec3 {
-    let mut sum = Vec3::ZERO;
-    for light in &scene.lights {
-        if let Some((light, shadow_ray)) = unoccluded::<F>(light, surface, viewer)
-            && !scene.occluded(&shadow_ray, traversal)
-        {
-            sum += light;
-        }
-    }
-    sum
-}
-
-/// As [`direct`], for the surfaces that camera rays see: their shadow rays run side by side.
+/// [`direct_of`] surfaces side by side: their shadow rays run so, too.
 pub(super) fn direct_of_neighbours<F: Features>(
     scene: &Scene,
     seen: &[Option<Surface>],
@@ -40,7 +19,7 @@ pub(super) fn direct_of_neighbours<F: Features>(
     })
 }
 
-/// As [`direct`], for surfaces all over the scene.
+/// [`direct_of`] surfaces all over the scene.
 pub(super) fn direct_of_wave<F: Features>(
     scene: &Scene,
     seen: &[Option<Surface>],
@@ -52,7 +31,10 @@ pub(super) fn direct_of_wave<F: Features>(
     })
 }
 
-/// As [`direct`], for the surfaces that `rays` see, all shadow rays of a light at once.
+/// The light of all point lights that the surfaces, without their mirrors, send back along `rays`.
+///
+/// A light behind a surface's shape or behind its shading normal does not reach it, and a perfect mirror
+/// sends none of it. All shadow rays of a light are asked for at once.
 fn direct_of<F: Features>(
     scene: &Scene,
     seen: &[Option<Surface>],

@@ -8,6 +8,7 @@ mod monte_carlo;
 mod ray_tracing;
 
 use crate::accel::{PACKET, Traversal};
+use crate::geometry::Hit;
 use crate::material::{FeatureSet, Features, Only, mirror};
 use crate::math::Ray;
 use crate::sampling::Sequence;
@@ -65,29 +66,41 @@ impl Integrator {
         radiance: &mut [Vec3],
     ) {
         let rays: Vec<Ray> = samples.iter().map(|sample| sample.ray).collect();
-        let mut hits = vec![None; rays.len()];
-        for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
-            scene.closest_of_packet(rays, hits, traversal);
-        }
-        let surface =
-            |(ray, hit): (&Ray, &Option<_>)| hit.as_ref().map(|hit| scene.surface::<F>(ray, hit));
-        let surfaces: Vec<Option<Surface>> = rays.iter().zip(&hits).map(surface).collect();
+        let surfaces = surfaces_of_neighbours::<F>(scene, &rays, traversal);
         let lit = direct_of_neighbours::<F>(scene, &surfaces, &rays, traversal);
         match self {
-            Integrator::RayTracing { bounces } => {
-                for (((radiance, ray), surface), lit) in
-                    radiance.iter_mut().zip(rays).zip(surfaces).zip(lit)
-                {
-                    *radiance = surface.map_or(scene.background, |surface| {
-                        ray_tracing::radiance::<F>(scene, ray, surface, lit, *bounces, traversal)
-                    });
-                }
-            }
+            Integrator::RayTracing { bounces } => ray_tracing::radiance::<F>(
+                scene, rays, surfaces, lit, *bounces, traversal, radiance,
+            ),
             Integrator::MonteCarlo { bounces, splits } => monte_carlo::radiance::<F>(
                 scene, samples, &surfaces, &lit, *bounces, splits, traversal, radiance,
             ),
         }
     }
+}
+
+/// What each of some rays that run side by side sees.
+fn surfaces_of_neighbours<F: Features>(
+    scene: &Scene,
+    rays: &[Ray],
+    traversal: &mut Traversal,
+) -> Vec<Option<Surface>> {
+    let mut hits = vec![None; rays.len()];
+    for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
+        scene.closest_of_packet(rays, hits, traversal);
+    }
+    surfaces::<F>(scene, rays, &hits)
+}
+
+/// What each ray sees where it hits.
+fn surfaces<F: Features>(
+    scene: &Scene,
+    rays: &[Ray],
+    hits: &[Option<Hit>],
+) -> Vec<Option<Surface>> {
+    let surface =
+        |(ray, hit): (&Ray, &Option<Hit>)| hit.as_ref().map(|hit| scene.surface::<F>(ray, hit));
+    rays.iter().zip(hits).map(surface).collect()
 }
 
 type RadianceFor = fn(&Integrator, &Scene, &[CameraSample], &mut Traversal, &mut [Vec3]);

@@ -1,5 +1,5 @@
 use super::direct::direct_of_wave;
-use super::{CameraSample, ambient, reflect};
+use super::{CameraSample, ambient, reflect, surfaces};
 use crate::accel::Traversal;
 use crate::material::Features;
 use crate::math::{Ray, to_world};
@@ -81,10 +81,7 @@ impl<F: Features> Estimator<'_, F> {
         let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
         let mut hits = vec![None; rays.len()];
         self.scene.closest_of_wave(&rays, &mut hits, self.traversal);
-        let surface = |(ray, hit): (&Ray, &Option<_>)| {
-            hit.as_ref().map(|hit| self.scene.surface::<F>(ray, hit))
-        };
-        let surfaces: Vec<Option<Surface>> = rays.iter().zip(&hits).map(surface).collect();
+        let surfaces = surfaces::<F>(self.scene, &rays, &hits);
         let lit = direct_of_wave::<F>(self.scene, &surfaces, &rays, self.traversal);
         self.leaving(paths, &surfaces, &lit, radiance);
     }

@@ -55,17 +55,7 @@ struct Triangle {
 }
 
 impl Scene {
-    /// The nearest hit, or none.
-    pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Option<Hit> {
-        self.bvh.closest(ray, traversal)
-    }
-
-    /// Whether anything lies in the ray's interval.
-    pub fn occluded(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
-        self.bvh.occluded(ray, traversal)
-    }
-
-    /// As [`Scene::closest`], of up to sixteen rays that run side by side.
+    /// The nearest hit, or none, of each of up to sixteen rays that run side by side.
     pub fn closest_of_packet(
         &self,
         rays: &[Ray],
@@ -75,7 +65,7 @@ impl Scene {
         self.bvh.closest_of_packet(rays, hits, traversal);
     }
 
-    /// As [`Scene::occluded`], of up to sixteen rays that run side by side.
+    /// Whether anything lies in the interval of each of up to sixteen rays that run side by side.
     pub fn occluded_of_packet(
         &self,
         rays: &[Ray],
@@ -85,7 +75,7 @@ impl Scene {
         self.bvh.occluded_of_packet(rays, occluded, traversal);
     }
 
-    /// As [`Scene::closest`], of rays that have nothing in common.
+    /// As [`Scene::closest_of_packet`], of any number of rays that have nothing in common.
     pub fn closest_of_wave(
         &self,
         rays: &[Ray],
@@ -95,7 +85,7 @@ impl Scene {
         self.bvh.closest_of_wave(rays, hits, traversal);
     }
 
-    /// As [`Scene::occluded`], of rays that have nothing in common.
+    /// As [`Scene::occluded_of_packet`], of any number of rays that have nothing in common.
     pub fn occluded_of_wave(&self, rays: &[Ray], occluded: &mut [bool], traversal: &mut Traversal) {
         self.bvh.occluded_of_wave(rays, occluded, traversal);
     }

@@ -87,10 +87,12 @@ impl<V: Floats<PACKET>> RayLanes<V> {
     /// A bit for each ray whose line passes through the sphere.
     #[inline(always)]
     pub(super) fn pass_through(&self, sphere: &Sphere) -> u32 {
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);
         let mut passed_by = [0_u32; PACKET];
-        for (i, passed_by) in passed_by.iter_mut().enumerate() {
-            let (origin, direction) = self.line(i);
-            *passed_by = u32::from(sphere.depth(origin, direction) < 0.0);
+        for i in 0..PACKET {
+            let origin = [ox[i].into(), oy[i].into(), oz[i].into()];
+            let direction = [dx[i].into(), dy[i].into(), dz[i].into()];
+            passed_by[i] = u32::from(sphere.depth(origin, direction) < 0.0);
         }
         let mut lanes = 0;
         for (i, passed_by) in passed_by.into_iter().enumerate() {

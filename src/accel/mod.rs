@@ -90,7 +90,7 @@ impl Bvh {
         kernel::closest(self, ray, &mut traversal.stack)
     }
 
-    /// The nearest primitive that each of up to sixteen rays meets, as [`Bvh::closest`].
+    /// The nearest primitive that each ray meets, sixteen at a time, as [`Bvh::closest`].
     ///
     /// Fast if the rays run side by side, with the same results if they do not.
     pub fn closest_of_packet(
@@ -99,10 +99,12 @@ impl Bvh {
         hits: &mut [Option<Hit>],
         traversal: &mut Traversal,
     ) {
-        if !self.try_packet::<false>(rays, traversal, |number, found| {
-            hits[number] = (found.primitive != NO_PRIMITIVE).then_some(found);
-        }) {
-            self.closest_of_wave(rays, hits, traversal);
+        for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
+            if !self.try_packet::<false>(rays, traversal, |number, found| {
+                hits[number] = (found.primitive != NO_PRIMITIVE).then_some(found);
+            }) {
+                self.closest_of_wave(rays, hits, traversal);
+            }
         }
     }
 
@@ -135,17 +137,19 @@ impl Bvh {
         kernel::occluded(self, ray, &mut traversal.stack)
     }
 
-    /// Whether anything lies in the interval of each of up to sixteen rays, as [`Bvh::occluded`].
+    /// Whether anything lies in the interval of each ray, sixteen at a time, as [`Bvh::occluded`].
     pub fn occluded_of_packet(
         &self,
         rays: &[Ray],
         occluded: &mut [bool],
         traversal: &mut Traversal,
     ) {
-        if !self.try_packet::<true>(rays, traversal, |number, found| {
-            occluded[number] = found.primitive != NO_PRIMITIVE;
-        }) {
-            self.occluded_of_wave(rays, occluded, traversal);
+        for (rays, occluded) in rays.chunks(PACKET).zip(occluded.chunks_mut(PACKET)) {
+            if !self.try_packet::<true>(rays, traversal, |number, found| {
+                occluded[number] = found.primitive != NO_PRIMITIVE;
+            }) {
+                self.occluded_of_wave(rays, occluded, traversal);
+            }
         }
     }
 

@@ -1,4 +1,4 @@
-use crate::accel::{PACKET, Traversal};
+use crate::accel::Traversal;
 use crate::light::PointLight;
 use crate::material::Features;
 use crate::math::Ray;
@@ -13,9 +13,7 @@ pub(super) fn direct_of_neighbours<F: Features>(
     traversal: &mut Traversal,
 ) -> Vec<Vec3> {
     direct_of::<F>(scene, seen, rays, |rays, occluded| {
-        for (rays, occluded) in rays.chunks(PACKET).zip(occluded.chunks_mut(PACKET)) {
-            scene.occluded_of_packet(rays, occluded, traversal);
-        }
+        scene.occluded_of_packet(rays, occluded, traversal);
     })
 }
 
@@ -57,7 +55,6 @@ fn direct_of<F: Features>(
             }
         }
         let is_occluded = &mut is_occluded[..shadow_rays.len()];
-        is_occluded.fill(false);
         occluded(&shadow_rays, is_occluded);
         for ((number, light), is_occluded) in contributions.iter().zip(is_occluded) {
             if !*is_occluded {

@@ -7,7 +7,7 @@ mod direct;
 mod monte_carlo;
 mod ray_tracing;
 
-use crate::accel::{PACKET, Traversal};
+use crate::accel::Traversal;
 use crate::geometry::Hit;
 use crate::material::{FeatureSet, Features, Only, mirror};
 use crate::math::Ray;
@@ -86,9 +86,7 @@ fn surfaces_of_neighbours<F: Features>(
     traversal: &mut Traversal,
 ) -> Vec<Option<Surface>> {
     let mut hits = vec![None; rays.len()];
-    for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
-        scene.closest_of_packet(rays, hits, traversal);
-    }
+    scene.closest_of_packet(rays, &mut hits, traversal);
     surfaces::<F>(scene, rays, &hits)
 }
 

@@ -55,7 +55,7 @@ struct Triangle {
 }
 
 impl Scene {
-    /// The nearest hit, or none, of each of up to sixteen rays that run side by side.
+    /// The nearest hit, or none, of each of some rays that run side by side.
     pub fn closest_of_packet(
         &self,
         rays: &[Ray],
@@ -65,7 +65,7 @@ impl Scene {
         self.bvh.closest_of_packet(rays, hits, traversal);
     }
 
-    /// Whether anything lies in the interval of each of up to sixteen rays that run side by side.
+    /// Whether anything lies in the interval of each of some rays that run side by side.
     pub fn occluded_of_packet(
         &self,
         rays: &[Ray],

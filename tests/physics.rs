@@ -5,6 +5,7 @@ mod support;
 
 use flythrough::integrator::Integrator;
 use flythrough::render::PixelSampling;
+use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use support::*;
@@ -79,8 +80,18 @@ fn light_inside_a_sphere_bounce_by_bounce() {
 /// irradiance rho^k I / R^2 by bounce k, the same everywhere.
 #[test]
 fn light_off_the_centre_of_a_sphere() {
+    lit_alike_all_over("(5.9, -1.2, 7.4)");
+}
+
+/// The same with a light that throws a spot on the wall beside it, a hundred times as bright as the rest.
+#[test]
+fn light_by_the_wall_of_a_sphere() {
+    assert!(!lit_alike_all_over("(6.9, -2, 7)").spots().is_empty());
+}
+
+fn lit_alike_all_over(position: &str) -> Scene {
     let ball = "sphere(center: (5, -2, 7), radius: 2, material: \"grey\"),";
-    let lights = light("(5.9, -1.2, 7.4)", 3.0);
+    let lights = light(position, 3.0);
     let scene = scene(&format!(
         "Scene({GREY} lights: [{lights}], objects: [{ball}])"
     ));
@@ -101,6 +112,7 @@ fn light_off_the_centre_of_a_sphere() {
             assert_close(mean, expected, 5.0 * (variance / 16.0).sqrt() + 1e-6);
         }
     }
+    scene
 }
 
 /// Mitsuba 3's PointLightIntensity scene: its own reference image has the mean 0.269208.

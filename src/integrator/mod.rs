@@ -5,6 +5,7 @@
 
 mod direct;
 mod monte_carlo;
+mod path;
 mod ray_tracing;
 
 use crate::accel::Traversal;

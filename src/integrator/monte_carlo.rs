@@ -1,15 +1,20 @@
-use super::direct::direct_of_wave;
+use super::direct::{Lit, direct_of_wave};
+use super::path::{Choice, Path};
 use super::{CameraSample, ambient, reflect, surfaces};
 use crate::accel::Traversal;
 use crate::material::Features;
 use crate::math::{Ray, to_world};
-use crate::sampling::{Sequence, cosine_hemisphere};
+use crate::sampling::{Dealt, cosine_hemisphere};
 use crate::scene::{Scene, Surface};
 use glam::Vec3;
+use std::f32::consts::PI;
 use std::marker::PhantomData;
 
 /// So many paths take their next step together.
 const WAVE: usize = 64;
+
+/// The random numbers of points that lights see are those of the depth, beyond all depths.
+const SPOT_PAIRS: u32 = 1 << 16;
 
 /// Unbiased estimates of the light that reaches the camera along the samples' rays, given the surfaces
 /// that they see and the direct light there; all paths of up to `bounces` bounces counted. Light that
@@ -41,23 +46,10 @@ pub(super) fn radiance<F: Features>(
         depth: 0,
         diffuse_bounces: 0,
         index: sample.index,
+        choice: Choice::Only,
     };
     let paths: Vec<Path> = samples.iter().map(from_camera).collect();
     estimator.leaving(&paths, surfaces, lit, radiance);
-}
-
-/// The last ray of a path, and how it came to be.
-#[derive(Clone, Copy)]
-struct Path {
-    ray: Ray,
-    /// The random numbers of its pixel.
-    sequence: Sequence,
-    /// Bounces since the camera.
-    depth: u32,
-    /// Those of them that were diffuse.
-    diffuse_bounces: usize,
-    /// Its number among the paths of this depth in the pixel.
-    index: u32,
 }
 
 /// A path that goes on from another, and its share in the light of that.
@@ -81,9 +73,37 @@ impl<F: Features> Estimator<'_, F> {
         let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
         let mut hits = vec![None; rays.len()];
         self.scene.closest_of_wave(&rays, &mut hits, self.traversal);
-        let surfaces = surfaces::<F>(self.scene, &rays, &hits);
-        let lit = direct_of_wave::<F>(self.scene, &surfaces, &rays, self.traversal);
+        let mut surfaces = surfaces::<F>(self.scene, &rays, &hits);
+        let spots = self.scene.spots();
+        if spots.is_empty() {
+            let lit = self.direct(&surfaces, &rays, |_| {});
+            return self.leaving(paths, &surfaces, &lit, radiance);
+        }
+        let mut seen_by_lights = [0.0; WAVE];
+        let lit = self.direct(&surfaces, &rays, |lit| {
+            seen_by_lights[lit.number] += spots.density(lit.light, lit.distance, lit.cosine);
+        });
+        let mut weights = [0.0; WAVE];
+        for (i, path) in paths.iter().enumerate() {
+            let met = hits[i].as_ref().zip(surfaces[i].as_ref());
+            weights[i] = path.weight(met, seen_by_lights[i]);
+            if weights[i] == 0.0 {
+                surfaces[i] = None;
+            }
+        }
         self.leaving(paths, &surfaces, &lit, radiance);
+        for (radiance, weight) in radiance.iter_mut().zip(weights) {
+            *radiance *= weight;
+        }
+    }
+
+    fn direct(
+        &mut self,
+        surfaces: &[Option<Surface>],
+        rays: &[Ray],
+        reached: impl FnMut(&Lit),
+    ) -> Vec<Vec3> {
+        direct_of_wave::<F>(self.scene, surfaces, rays, self.traversal, reached)
     }
 
     /// The light that the surfaces at the ends of paths send along their last rays, given the direct
@@ -126,14 +146,22 @@ impl<F: Features> Estimator<'_, F> {
             }
             // No more than needed for full waves: they stay in the cache.
             if branches.len() >= WAVE {
-                self.follow(&mut branches, radiance);
+                self.follow(&mut branches, surfaces, radiance);
             }
         }
-        self.follow(&mut branches, radiance);
+        self.follow(&mut branches, surfaces, radiance);
     }
 
-    /// Adds the light of branches to that of the paths that they go on from.
-    fn follow(&mut self, branches: &mut Vec<Branch>, radiance: &mut [Vec3]) {
+    /// Adds the light of branches to that of the paths that they go on from, which end at `surfaces`.
+    fn follow(
+        &mut self,
+        branches: &mut Vec<Branch>,
+        surfaces: &[Option<Surface>],
+        radiance: &mut [Vec3],
+    ) {
+        if !self.scene.spots().is_empty() {
+            self.aim(branches, surfaces);
+        }
         for wave in branches.chunks(WAVE) {
             let paths: Vec<Path> = wave.iter().map(|branch| branch.path).collect();
             let mut light = [Vec3::ZERO; WAVE];
@@ -143,6 +171,27 @@ impl<F: Features> Estimator<'_, F> {
             }
         }
         branches.clear();
+    }
+
+    /// Turns the rays that leave lights into rays from the surfaces towards the points that these lights
+    /// see; branches that cannot reach theirs are left out.
+    fn aim(&mut self, branches: &mut Vec<Branch>, surfaces: &[Option<Surface>]) {
+        let from_lights: Vec<usize> = (0..branches.len())
+            .filter(|&i| matches!(branches[i].path.choice, Choice::Spot { .. }))
+            .collect();
+        let rays: Vec<Ray> = from_lights.iter().map(|&i| branches[i].path.ray).collect();
+        let mut hits = vec![None; rays.len()];
+        self.scene.closest_of_wave(&rays, &mut hits, self.traversal);
+        for (&i, hit) in from_lights.iter().zip(&hits) {
+            let branch = &mut branches[i];
+            let surface = surfaces[branch.parent].as_ref();
+            let aimed = surface.zip(hit.as_ref());
+            match aimed.and_then(|(surface, hit)| branch.path.aim(surface, hit)) {
+                Some(path) => branch.path = path,
+                None => branch.share = Vec3::ZERO,
+            }
+        }
+        branches.retain(|branch| branch.share != Vec3::ZERO);
     }
 
     /// As many branches as the schedule gives, whose mean it is, each leaving by the diffuse lobe or by
@@ -166,11 +215,13 @@ impl<F: Features> Estimator<'_, F> {
         };
         let count = self.splits.get(path.diffuse_bounces).copied().unwrap_or(1);
         let (diffuse, mirror) = (diffuse / count as f32, mirror / count as f32);
+        let diffuse = diffuse / (1.0 - mirror_chance);
         for i in 0..count {
-            let mut next = Path {
+            let next = Path {
                 depth: path.depth + 1,
                 diffuse_bounces: path.diffuse_bounces + 1,
                 index: path.index.wrapping_mul(count).wrapping_add(i),
+                choice: Choice::Only,
                 ..*path
             };
             let by_mirror = mirror_chance > 0.0
@@ -179,16 +230,44 @@ impl<F: Features> Estimator<'_, F> {
                 let index = next.index;
                 let share = mirror / mirror_chance;
                 follow_mirror::<F>(&Path { index, ..*path }, surface, share, branch);
-                continue;
-            }
-            let [u, v] = path.sequence.sample_2d(next.index, next.depth);
-            let direction = to_world(surface.shading_normal, cosine_hemisphere(u, v));
-            // Below the shape's own horizon an interpolated normal gathers nothing.
-            if direction.dot(surface.geometric_normal) > 0.0 {
-                next.ray = surface.leave(direction);
-                branch(diffuse / (1.0 - mirror_chance), next);
+            } else if let Some(next) = self.diffuse_branch(next, surface) {
+                branch(diffuse, next);
             }
         }
+    }
+
+    /// The path with a direction of the diffuse lobe; none where the surface's shape is in the way.
+    #[inline]
+    fn diffuse_branch(&self, path: Path, surface: &Surface) -> Option<Path> {
+        let spots = self.scene.spots();
+        let mut number = path.index;
+        if !spots.is_empty() {
+            match path.sequence.deal(path.index, path.depth) {
+                Dealt::Kept(kept) => number = kept,
+                Dealt::Apart(apart) => {
+                    let numbers = path.sequence.sample_2d(apart, SPOT_PAIRS + path.depth);
+                    return Some(Path {
+                        ray: spots.ray(self.scene, numbers),
+                        choice: Choice::UNAIMED,
+                        ..path
+                    });
+                }
+            }
+        }
+        let [u, v] = path.sequence.sample_2d(number, path.depth);
+        let local = cosine_hemisphere(u, v);
+        let direction = to_world(surface.shading_normal, local);
+        // Below the shape's own horizon an interpolated normal gathers nothing.
+        (direction.dot(surface.geometric_normal) > 0.0).then(|| Path {
+            ray: surface.leave(direction),
+            choice: if spots.is_empty() {
+                Choice::Only
+            } else {
+                let density = local.z / PI;
+                Choice::Cosine { density }
+            },
+            ..path
+        })
     }
 }
 
@@ -202,6 +281,7 @@ fn follow_mirror<F: Features>(
         let next = Path {
             ray: reflect(surface, &path.ray),
             depth: path.depth + 1,
+            choice: Choice::Only,
             ..*path
         };
         branch(mirror, next);

@@ -6,5 +6,5 @@
 mod sequence;
 mod warp;
 
-pub use sequence::Sequence;
-pub use warp::cosine_hemisphere;
+pub use sequence::{Dealt, Sequence};
+pub use warp::{cosine_hemisphere, uniform_sphere};

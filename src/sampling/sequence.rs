@@ -11,6 +11,15 @@ pub struct Sequence {
     seed: u32,
 }
 
+/// What [`Sequence::deal`] makes of a sample: its purpose, and its number there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dealt {
+    /// Three of four.
+    Kept(u32),
+    /// One of four.
+    Apart(u32),
+}
+
 impl Sequence {
     /// The sequence of film position (x, y) in `frame`.
     pub fn new(seed: u32, frame: u32, x: u32, y: u32) -> Sequence {
@@ -43,6 +52,22 @@ impl Sequence {
         let seed = hash(self.seed ^ pair.wrapping_mul(0x9e37_79b9) ^ 0x5851_f42d);
         let index = owen_scramble(index, seed);
         unit(scramble_reversed(index, seed.wrapping_mul(0x85eb_ca6b)).reverse_bits())
+    }
+
+    /// Deals samples to two purposes: of every four in turn one that chance chooses is set apart.
+    ///
+    /// Both purposes number their own from 0 on, without gaps.
+    #[inline]
+    pub fn deal(self, index: u32, pair: u32) -> Dealt {
+        let (four, place) = (index / 4, index % 4);
+        let seed = self.seed ^ pair.wrapping_mul(0x9e37_79b9) ^ 0x2545_f491;
+        let chosen = hash(hash(seed) ^ four) % 4;
+        if place == chosen {
+            Dealt::Apart(four)
+        } else {
+            let before = place - u32::from(place > chosen);
+            Dealt::Kept(four.wrapping_mul(3).wrapping_add(before))
+        }
     }
 }
 
@@ -115,6 +140,30 @@ mod tests {
                 assert_eq!(hit, [true; 64]);
             }
         }
+    }
+
+    #[test]
+    fn one_of_four_is_dealt_apart_and_no_number_twice() {
+        let mut places = [0; 4];
+        for x in 0..1000 {
+            let sequence = Sequence::new(0, 0, x, 0);
+            let mut dealt: Vec<Dealt> = (0..64).map(|i| sequence.deal(i, 3)).collect();
+            for four in dealt.chunks(4) {
+                let apart = four.iter().position(|d| matches!(d, Dealt::Apart(_)));
+                places[apart.expect("one of four")] += 1;
+            }
+            dealt.sort_by_key(|dealt| match dealt {
+                Dealt::Kept(number) => *number,
+                Dealt::Apart(number) => 48 + number,
+            });
+            let kept = (0..48).map(Dealt::Kept);
+            assert!(dealt.into_iter().eq(kept.chain((0..16).map(Dealt::Apart))));
+        }
+        // Five standard deviations of 16,000 choices with a chance of a quarter.
+        assert!(
+            places.iter().all(|n: &i32| (n - 4000).abs() < 274),
+            "{places:?}"
+        );
     }
 
     #[test]

@@ -1,14 +1,32 @@
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// A unit direction about +Z with density cos(theta) / pi, from two numbers in [0, 1).
 ///
-/// Concentric disk of Shirley and Chiu 1997 lifted to the hemisphere (Malley's method): it keeps
-/// the strata of the square compact. Never below the horizon.
+/// The disk lifted to the hemisphere (Malley's method). Never below the horizon.
 #[inline]
 pub fn cosine_hemisphere(u: f32, v: f32) -> Vec3 {
+    let (disk, radius) = concentric_disk(u, v);
+    disk.extend((1.0 - radius * radius).max(0.0).sqrt())
+}
+
+/// A unit direction with density 1 / (4 pi), from two numbers in 0..=1.
+///
+/// The disk wrapped around the sphere, equal areas to equal areas (Lambert's azimuthal projection).
+#[inline]
+pub fn uniform_sphere(u: f32, v: f32) -> Vec3 {
+    let (disk, radius) = concentric_disk(u, v);
+    let rest = (1.0 - radius * radius).max(0.0);
+    (2.0 * rest.sqrt() * disk).extend(rest - radius * radius)
+}
+
+/// An even point of the unit disk and its distance from the middle.
+///
+/// The concentric map of Shirley and Chiu 1997: it keeps the strata of the square compact.
+#[inline]
+fn concentric_disk(u: f32, v: f32) -> (Vec2, f32) {
     let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     if a == 0.0 && b == 0.0 {
-        return Vec3::Z;
+        return (Vec2::ZERO, 0.0);
     }
     // Of angle and complement one is within pi / 4 of an axis.
     let (x, y) = if a.abs() > b.abs() {
@@ -18,8 +36,7 @@ pub fn cosine_hemisphere(u: f32, v: f32) -> Vec3 {
         let (sin, cos) = sin_cos_eighth(a / b);
         (b * sin, b * cos)
     };
-    let radius = a.abs().max(b.abs());
-    Vec3::new(x, y, (1.0 - radius * radius).max(0.0).sqrt())
+    (Vec2::new(x, y), a.abs().max(b.abs()))
 }
 
 /// Sine and cosine of `x` pi / 4 for |x| <= 1, by their power series: accurate to an ulp, and the
@@ -47,6 +64,30 @@ mod tests {
             let angle = f64::from(x) * std::f64::consts::FRAC_PI_4;
             assert!((f64::from(sin) - angle.sin()).abs() < 1.2e-7);
             assert!((f64::from(cos) - angle.cos()).abs() < 1.2e-7);
+        }
+    }
+
+    /// Moments of an even density: E[x] = E[y] = E[z] = 0, E[x^2] = E[y^2] = E[z^2] = 1/3, E[z^4] = 1/5.
+    #[test]
+    fn moments_of_the_sphere() {
+        let n = 1000;
+        let mut sums = [0.0_f64; 7];
+        for i in 0..n {
+            for j in 0..n {
+                let d = uniform_sphere((i as f32 + 0.5) / n as f32, (j as f32 + 0.5) / n as f32);
+                assert!((d.length() - 1.0).abs() < 1e-6);
+                let (x, y, z) = (f64::from(d.x), f64::from(d.y), f64::from(d.z));
+                for (sum, value) in sums
+                    .iter_mut()
+                    .zip([x, y, z, x * x, y * y, z * z, z.powi(4)])
+                {
+                    *sum += value / f64::from(n * n);
+                }
+            }
+        }
+        let third = 1.0 / 3.0;
+        for (sum, expected) in sums.iter().zip([0.0, 0.0, 0.0, third, third, third, 0.2]) {
+            assert!((sum - expected).abs() < 1e-5, "{sums:?}");
         }
     }
 

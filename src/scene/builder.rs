@@ -1,4 +1,4 @@
-use super::{Scene, Triangle};
+use super::{Scene, Spots, Triangle};
 use crate::accel::Bvh;
 use crate::geometry::{Mesh, Sphere};
 use crate::light::PointLight;
@@ -108,7 +108,7 @@ impl SceneBuilder {
         let features = FeatureSet::of(used, mixes);
         let bvh = Bvh::new(&corner_positions, spheres.clone());
         let bounds = bvh.bounds();
-        let scene = Scene {
+        let mut scene = Scene {
             origin,
             lights: lights.collect(),
             ambient: self.ambient,
@@ -120,10 +120,12 @@ impl SceneBuilder {
             materials: self.materials,
             textures: self.textures,
             bvh,
+            spots: Spots::default(),
             magnitude: bounds.max.max(-bounds.min).max_element().max(0.0),
             meshes,
             spheres,
         };
+        scene.spots = Spots::find(&scene);
         (scene, dropped)
     }
 

@@ -6,9 +6,11 @@
 //! scene is.
 
 mod builder;
+mod spots;
 mod surface;
 
 pub use builder::{MeshMaterial, SceneBuilder, SourceMesh};
+pub use spots::Spots;
 pub use surface::Surface;
 
 use crate::accel::{Bvh, Traversal};
@@ -40,6 +42,7 @@ pub struct Scene {
     /// What its surfaces need: the code that is generic over it relies on that.
     features: FeatureSet,
     bvh: Bvh,
+    spots: Spots,
     /// The largest absolute coordinate of any shape.
     magnitude: f32,
 }
@@ -93,6 +96,11 @@ impl Scene {
     /// What its surfaces need.
     pub fn features(&self) -> FeatureSet {
         self.features
+    }
+
+    /// The lights close to surfaces.
+    pub fn spots(&self) -> &Spots {
+        &self.spots
     }
 
     /// The box around all shapes, relative to [`Scene::origin`]; empty for an empty scene.

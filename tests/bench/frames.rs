@@ -51,11 +51,11 @@ fn rows() -> Vec<(&'static str, &'static str, &'static str, u32, Settings)> {
             settings("supersampling", small, None, &[]),
         ),
         (
-            "test3 montecarlo, 64 paths from 2 camera samples",
+            "test3 montecarlo, 64 paths from 4 camera samples",
             "test3",
             "test3",
             0,
-            settings("montecarlo", small, Some(2), &[32]),
+            settings("montecarlo", small, Some(4), &[16]),
         ),
         (
             "test3 montecarlo, 64 paths from 64 camera samples",

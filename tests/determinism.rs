@@ -59,7 +59,7 @@ fn corners_equal_four_samples_of_each_pixel() {
         for x in 0..width {
             let mut corner = |dx: f64, dy: f64| {
                 let film = glam::DVec2::new(f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy);
-                let ray = camera.ray(film, size, scene.origin);
+                let ray = camera.rays(size, scene.origin).through(film);
                 let sequence = flythrough::sampling::Sequence::new(0, 0, 0, 0);
                 let sample = CameraSample {
                     ray,

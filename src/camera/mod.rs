@@ -10,7 +10,7 @@ pub use camera_path::{CameraPath, Interpolation, Keyframe, Orientation, PathErro
 pub use timeline::Timeline;
 
 use crate::math::Ray;
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DMat3, DVec2, DVec3, Vec3};
 
 /// A pinhole camera in world coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,23 +24,46 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The ray through a point of the film, with unit direction, relative to a scene's `origin`.
+    /// The camera's rays through a film of `size` pixels, relative to a scene's `origin`. Pixels are
+    /// square.
+    pub fn rays(&self, size: DVec2, origin: DVec3) -> CameraRays {
+        let pixel = 2.0 * self.half_height / size.y;
+        let right = self.rotation.x_axis * pixel;
+        let down = -self.rotation.y_axis * pixel;
+        CameraRays {
+            eye: (self.position - origin).as_vec3(),
+            corner: -self.rotation.z_axis - 0.5 * (size.x * right + size.y * down),
+            right,
+            down,
+        }
+    }
+}
+
+/// The rays of a camera through its film.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRays {
+    eye: Vec3,
+    /// From the eye to the film's upper left corner.
+    corner: DVec3,
+    /// From one pixel to the next, and from one row to the next.
+    right: DVec3,
+    down: DVec3,
+}
+
+impl CameraRays {
+    /// The ray through a point of the film, with unit direction.
     ///
-    /// `film` counts pixels from the upper left corner of a film of `size` pixels, so the centre of
-    /// the first pixel is (0.5, 0.5). Pixels are square.
-    pub fn ray(&self, film: DVec2, size: DVec2, origin: DVec3) -> Ray {
-        let scale = 2.0 * self.half_height / size.y;
-        let x = (film.x - 0.5 * size.x) * scale;
-        let y = (0.5 * size.y - film.y) * scale;
-        let direction = self.rotation * DVec3::new(x, y, -1.0).normalize();
-        Ray::new((self.position - origin).as_vec3(), direction.as_vec3())
+    /// `film` counts pixels from the upper left corner, so the centre of the first pixel is (0.5, 0.5).
+    #[inline]
+    pub fn through(&self, film: DVec2) -> Ray {
+        let direction = self.corner + film.x * self.right + film.y * self.down;
+        Ray::new(self.eye, direction.normalize().as_vec3())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     #[test]
     fn film_corners_see_the_field_of_view() {
@@ -50,7 +73,8 @@ mod tests {
             half_height: 1.0,
         };
         let size = DVec2::new(200.0, 100.0);
-        let ray = |x, y| camera.ray(DVec2::new(x, y), size, DVec3::ONE);
+        let rays = camera.rays(size, DVec3::ONE);
+        let ray = |x, y| rays.through(DVec2::new(x, y));
         assert_eq!(ray(100.0, 50.0).direction, Vec3::NEG_Z);
         assert_eq!(ray(100.0, 50.0).origin, Vec3::new(0.0, 1.0, 2.0));
         let top = ray(100.0, 0.0).direction;

@@ -43,17 +43,20 @@ pub fn render_frame(
     tile_done: &(dyn Fn(u64) + Sync),
 ) -> RenderedFrame {
     let size = DVec2::new(settings.width.into(), settings.height.into());
+    let rays = camera.rays(size, scene.origin);
     let grid = Grid::of(settings);
+    let count = match settings.sampling {
+        PixelSampling::Spread(count) => count,
+        PixelSampling::Center | PixelSampling::Corners => 1,
+    };
     let points = grid.fill(tile_done, |points, work| {
-        let count = match settings.sampling {
-            PixelSampling::Spread(count) => count,
-            PixelSampling::Center | PixelSampling::Corners => 1,
-        };
         let mut sums = vec![Vec3::ZERO; points.len()];
-        let samples = points.iter().zip(0..).flat_map(|(&(x, y), number)| {
+        let mut batch = Vec::with_capacity(BATCH);
+        let mut owners = Vec::with_capacity(BATCH);
+        for (number, &(x, y)) in points.iter().enumerate() {
             let sequence = Sequence::new(settings.seed, frame, x, y);
             let corner = DVec2::new(x.into(), y.into());
-            (0..count).map(move |index| {
+            for index in 0..count {
                 let film = match settings.sampling {
                     PixelSampling::Corners => corner,
                     PixelSampling::Center => corner + 0.5,
@@ -62,16 +65,18 @@ pub fn render_frame(
                         corner + DVec2::new(u.into(), v.into())
                     }
                 };
-                let ray = camera.ray(film, size, scene.origin);
-                let sample = CameraSample {
-                    ray,
+                batch.push(CameraSample {
+                    ray: rays.through(film),
                     sequence,
                     index,
-                };
-                (number, sample)
-            })
-        });
-        work.radiance(scene, settings, samples, &mut sums);
+                });
+                owners.push(number);
+                if batch.len() == BATCH {
+                    work.add_radiance(scene, settings, &mut batch, &mut owners, &mut sums);
+                }
+            }
+        }
+        work.add_radiance(scene, settings, &mut batch, &mut owners, &mut sums);
         for sum in &mut sums {
             *sum /= count as f32;
         }
@@ -121,36 +126,29 @@ struct Work {
 }
 
 impl Work {
-    /// Adds the light of numbered samples to the sums of these numbers.
-    fn radiance(
+    /// Adds the light of up to [`BATCH`] samples to the sums of their owners, and forgets them.
+    fn add_radiance(
         &mut self,
         scene: &Scene,
         settings: &RenderSettings,
-        samples: impl Iterator<Item = (usize, CameraSample)>,
+        batch: &mut Vec<CameraSample>,
+        owners: &mut Vec<usize>,
         sums: &mut [Vec3],
     ) {
-        let mut samples = samples.peekable();
-        let mut batch = Vec::with_capacity(BATCH);
-        let mut numbers = Vec::with_capacity(BATCH);
-        while samples.peek().is_some() {
-            batch.clear();
-            numbers.clear();
-            for (number, sample) in samples.by_ref().take(BATCH) {
-                numbers.push(number);
-                batch.push(sample);
-            }
-            let mut radiance = [Vec3::ZERO; BATCH];
-            settings
-                .integrator
-                .radiance(scene, &batch, &mut self.traversal, &mut radiance);
-            for (number, light) in numbers.iter().zip(radiance) {
-                if light.is_finite() {
-                    sums[*number] += light;
-                } else {
-                    self.non_finite += 1;
-                }
+        let mut radiance = [Vec3::ZERO; BATCH];
+        let radiance = &mut radiance[..batch.len()];
+        settings
+            .integrator
+            .radiance(scene, batch, &mut self.traversal, radiance);
+        for (owner, light) in owners.iter().zip(radiance) {
+            if light.is_finite() {
+                sums[*owner] += *light;
+            } else {
+                self.non_finite += 1;
             }
         }
+        batch.clear();
+        owners.clear();
     }
 }
 

@@ -218,6 +218,7 @@ fn tiles(frame: &Frame) -> Vec<Vec<(bool, Vec<Ray>)>> {
     const TILE: u32 = 8;
     let (width, height) = (frame.settings.width, frame.settings.height);
     let size = DVec2::new(width.into(), height.into());
+    let camera_rays = frame.camera.rays(size, frame.scene.origin);
     let (columns, rows) = (width / TILE, height / TILE);
     let tile = |number: u32| {
         let corner = (number % columns * TILE, number / columns * TILE);
@@ -232,7 +233,7 @@ fn tiles(frame: &Frame) -> Vec<Vec<(bool, Vec<Ray>)>> {
                 let sequence = Sequence::new(frame.settings.seed, frame.number, x, y);
                 let [u, v] = sequence.sample_2d(i % 4, 0);
                 let film = DVec2::new((x as f32 + u).into(), (y as f32 + v).into());
-                rays.push(frame.camera.ray(film, size, frame.scene.origin));
+                rays.push(camera_rays.through(film));
             }
             let mut hits = [None; PACKET];
             frame

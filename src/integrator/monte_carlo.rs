@@ -11,7 +11,7 @@ use std::f32::consts::PI;
 use std::marker::PhantomData;
 
 /// So many paths take their next step together.
-const WAVE: usize = 64;
+const WAVE: usize = 128;
 
 /// The random numbers of points that lights see are those of the depth, beyond all depths.
 const SPOT_PAIRS: u32 = 1 << 16;

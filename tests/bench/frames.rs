@@ -72,6 +72,13 @@ fn rows() -> Vec<(&'static str, &'static str, &'static str, u32, Settings)> {
             settings("montecarlo", small, None, &[32]),
         ),
         (
+            "gallery montecarlo, 64 paths from 4 camera samples",
+            "gallery",
+            "gallery",
+            100,
+            settings("montecarlo", small, Some(4), &[16]),
+        ),
+        (
             "gallery raytracing, 720p, 4 samples",
             "gallery",
             "gallery",
@@ -104,7 +111,7 @@ fn main() {
         }
     }
     if wanted.is_empty() {
-        let (name, scene, path, number, settings) = rows().remove(5);
+        let (name, scene, path, number, settings) = rows().remove(6);
         let frame = Frame::load(scene, path, number, settings);
         by_threads(name, &frame);
         beside_its_rays(name, &frame);

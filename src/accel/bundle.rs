@@ -25,9 +25,7 @@ impl<V: Floats<PACKET>> Bundle<V> {
     /// None if the rays do not run into the same octant.
     #[inline(always)]
     pub(super) fn new(lanes: &RayLanes<V>) -> Option<Bundle<V>> {
-        let ([ox, oy, oz], [dx, dy, dz]) = (&lanes.origin, &lanes.direction);
-        let origin = [V::load(ox), V::load(oy), V::load(oz)];
-        let direction = [V::load(dx), V::load(dy), V::load(dz)];
+        let (origin, direction) = (lanes.origin, lanes.direction);
         let zero = V::splat(0.0);
         let down = [
             direction[0].lt(zero),
@@ -41,7 +39,7 @@ impl<V: Floats<PACKET>> Bundle<V> {
         }
         let sizes = [size(direction[0]), size(direction[1]), size(direction[2])];
         let smallest = sizes[0].max(sizes[1]).max(sizes[2]).mul(V::splat(SMALLEST));
-        let growth = V::load(&lanes.reach).mul(V::splat(GROWTH));
+        let growth = lanes.reach.mul(V::splat(GROWTH));
         let grown = growth.greatest();
         let mut bundle = Bundle {
             inverse: [zero; 3],

@@ -1,5 +1,5 @@
 use super::kernel::Machine;
-use super::lanes::RayLanes;
+use super::lanes::{Lanes, Packet, RayLanes};
 use super::packet::PACKET;
 use super::simd::Floats;
 use super::triangle_block::{PADDING, TriangleBlock, is_in_the_way, take_nearer};
@@ -19,13 +19,17 @@ pub(super) struct Found {
 
 impl Found {
     #[inline(always)]
-    pub(super) fn new<const ANY: bool>(rays: &[Ray]) -> Found {
+    pub(super) fn new<const ANY: bool>(packet: &Packet) -> Found {
         let mut found = Found {
             best: [NOTHING; PACKET],
-            limits: [-1.0; PACKET],
+            limits: [f32::MAX; PACKET],
         };
-        for (limit, ray) in found.limits.iter_mut().zip(rays) {
-            *limit = if ANY { ray.t_max * PADDING } else { f32::MAX };
+        for (lane, limit) in found.limits.iter_mut().enumerate() {
+            if packet.used >> lane & 1 == 0 {
+                *limit = -1.0;
+            } else if ANY {
+                *limit = packet.t_max[lane] * PADDING;
+            }
         }
         found
     }
@@ -53,16 +57,14 @@ impl Found {
         &mut self,
         sphere: &Sphere,
         primitive: u32,
-        rays: &[Ray],
-        lanes: &RayLanes<M::Many>,
+        lanes: &RayLanes<'_, M::Many>,
         some: u32,
     ) {
-        let mut some = some & lanes.pass_through(sphere);
-        while some != 0 {
-            let number = some.trailing_zeros() as usize % PACKET;
-            some &= some - 1;
-            if let Some(t) = sphere.intersect(&rays[number]) {
-                self.meet::<ANY>(&rays[number], number, t, primitive);
+        let some = some & lanes.pass_through(sphere);
+        for number in Lanes(some) {
+            let ray = lanes.packet.ray(number);
+            if let Some(t) = sphere.intersect(&ray) {
+                self.meet::<ANY>(&ray, number, t, primitive);
             }
         }
     }
@@ -74,17 +76,17 @@ impl Found {
         &mut self,
         block: &TriangleBlock,
         mut triangles: u32,
-        rays: &[Ray],
-        lanes: &RayLanes<M::Many>,
+        lanes: &RayLanes<'_, M::Many>,
         some: u32,
     ) -> bool {
         let mut changed = false;
+        let reach = lanes.reach.store();
         while triangles != 0 {
             let lane = triangles.trailing_zeros() as usize % WIDTH;
             triangles &= triangles - 1;
             let primitive = block.ids()[lane];
             let corners = block.one::<M::Many, PACKET>(lane, lanes.axes);
-            let mut passed = some & lanes.sheared.pass(&corners, M::Many::load(&self.limits));
+            let passed = some & lanes.sheared.pass(&corners, M::Many::load(&self.limits));
             if passed == 0 {
                 continue;
             }
@@ -95,21 +97,19 @@ impl Found {
             } else {
                 None
             };
-            while passed != 0 {
-                let number = passed.trailing_zeros() as usize % PACKET;
-                passed &= passed - 1;
+            for number in Lanes(passed) {
                 let (mut t, outside) = match &together {
                     Some((distances, outside)) => (distances[number], outside[number]),
                     None => lanes.meet_one(&plane, number),
                 };
-                let growth = triangle_growth(lanes.reach[number]);
+                let growth = triangle_growth(reach[number]);
                 // False for NaN.
                 let is_inside = outside <= growth;
                 if !is_inside {
                     let (origin, direction) = lanes.line(number);
                     t = plane.distance_in_box(origin, direction, growth, t);
                 }
-                self.meet::<ANY>(&rays[number], number, t, primitive);
+                self.meet::<ANY>(&lanes.packet.ray(number), number, t, primitive);
             }
         }
         changed
@@ -120,16 +120,13 @@ impl Found {
     pub(super) fn meet_one_by_one<M: Machine, const ANY: bool>(
         &mut self,
         block: &TriangleBlock,
-        rays: &[Ray],
-        lanes: &RayLanes<M::Many>,
-        mut some: u32,
+        lanes: &RayLanes<'_, M::Many>,
+        some: u32,
     ) -> bool {
         let mut changed = false;
         let (axes, magnitude) = (lanes.axes, lanes.magnitude);
-        while some != 0 {
-            let number = some.trailing_zeros() as usize % PACKET;
-            some &= some - 1;
-            let ray = &rays[number];
+        for number in Lanes(some) {
+            let ray = &lanes.packet.ray(number);
             if self.limits[number] < 0.0 {
                 continue;
             }

@@ -5,12 +5,15 @@
 )]
 
 use super::Bvh;
+use super::lanes::Packet;
 use super::packet::{PACKET, PacketStack, walk_packet};
+use super::sight::{self, Points, Sight};
 use super::simd::{Floats, Portable};
 use super::stack::Stack;
 use super::walk::{walk_closest, walk_occluded};
 use crate::geometry::Hit;
 use crate::math::Ray;
+use glam::Vec3;
 
 /// The instructions that the walks use; results do not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,13 +86,17 @@ macro_rules! compiled_for {
             }
 
             #[target_feature(enable = $features)]
+            pub(super) fn look(points: &Points, target: Vec3) -> Sight {
+                sight::look::<$many>(points, target)
+            }
+
+            #[target_feature(enable = $features)]
             pub(super) fn packet<const ANY: bool>(
                 bvh: &Bvh,
-                rays: &[Ray],
-                hits: &mut [Hit],
+                packet: &Packet,
                 stack: &mut PacketStack,
-            ) -> bool {
-                walk_packet::<Registers, ANY>(bvh, rays, hits, stack)
+            ) -> Option<[Hit; PACKET]> {
+                walk_packet::<Registers, ANY>(bvh, packet, stack)
             }
         }
     };
@@ -122,18 +129,28 @@ pub(super) fn occluded(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> bool {
     }
 }
 
-pub(super) fn packet<const ANY: bool>(
-    bvh: &Bvh,
-    rays: &[Ray],
-    hits: &mut [Hit],
-    stack: &mut PacketStack,
-) -> bool {
+pub(super) fn look(bvh: &Bvh, points: &Points, target: Vec3) -> Sight {
     match bvh.kernel {
-        Kernel::Portable => walk_packet::<PortableMachine, ANY>(bvh, rays, hits, stack),
+        Kernel::Portable => sight::look::<Portable<PACKET>>(points, target),
         // SAFETY: these kernels are only chosen where their instructions were detected.
         #[cfg(target_arch = "x86_64")]
-        Kernel::Avx2 => unsafe { avx2::packet::<ANY>(bvh, rays, hits, stack) },
+        Kernel::Avx2 => unsafe { avx2::look(points, target) },
         #[cfg(target_arch = "x86_64")]
-        Kernel::Avx512 => unsafe { avx512::packet::<ANY>(bvh, rays, hits, stack) },
+        Kernel::Avx512 => unsafe { avx512::look(points, target) },
+    }
+}
+
+pub(super) fn packet<const ANY: bool>(
+    bvh: &Bvh,
+    packet: &Packet,
+    stack: &mut PacketStack,
+) -> Option<[Hit; PACKET]> {
+    match bvh.kernel {
+        Kernel::Portable => walk_packet::<PortableMachine, ANY>(bvh, packet, stack),
+        // SAFETY: these kernels are only chosen where their instructions were detected.
+        #[cfg(target_arch = "x86_64")]
+        Kernel::Avx2 => unsafe { avx2::packet::<ANY>(bvh, packet, stack) },
+        #[cfg(target_arch = "x86_64")]
+        Kernel::Avx512 => unsafe { avx512::packet::<ANY>(bvh, packet, stack) },
     }
 }

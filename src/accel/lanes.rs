@@ -3,16 +3,114 @@ use super::packet::PACKET;
 use super::simd::Floats;
 use super::watertight::{LEAST_SLOPE, ShearedRays, permuted_axes};
 use crate::geometry::{Sphere, TrianglePlane};
-use crate::math::Ray;
-use glam::DVec3;
+use crate::math::{NO_PRIMITIVE, Ray};
+use glam::{DVec3, Vec3};
 
-/// Up to sixteen rays with one main axis, one in each lane; lanes that are not needed repeat the last.
-pub(super) struct RayLanes<V> {
+/// Up to sixteen rays, coordinate by coordinate; lanes that hold none repeat one that does.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct Packet {
     /// Axis by axis.
     pub(super) origin: [[f32; PACKET]; 3],
     pub(super) direction: [[f32; PACKET]; 3],
+    pub(super) t_max: [f32; PACKET],
+    pub(super) exclude: [u32; PACKET],
+    /// A bit for each lane that holds a ray.
+    pub(super) used: u32,
+}
+
+impl Packet {
+    /// For rays to come.
+    pub(super) const EMPTY: Packet = Packet {
+        origin: [[0.0; PACKET]; 3],
+        direction: [[0.0; PACKET]; 3],
+        t_max: [0.0; PACKET],
+        exclude: [NO_PRIMITIVE; PACKET],
+        used: 0,
+    };
+
+    /// One to sixteen rays.
+    #[inline(always)]
+    pub(super) fn of(rays: &[Ray]) -> Packet {
+        let mut packet = Packet::EMPTY;
+        for ray in rays {
+            packet.push(ray);
+        }
+        if packet.used != ALL {
+            packet.fill();
+        }
+        packet
+    }
+
+    /// Puts a ray into the next lane; those before are used. There is room for it.
+    #[inline(always)]
+    pub(super) fn push(&mut self, ray: &Ray) {
+        let lane = self.used.count_ones() as usize % PACKET;
+        for axis in 0..3 {
+            self.origin[axis][lane] = ray.origin[axis];
+            self.direction[axis][lane] = ray.direction[axis];
+        }
+        self.t_max[lane] = ray.t_max;
+        self.exclude[lane] = ray.exclude;
+        self.used |= 1 << lane;
+    }
+
+    /// Puts a copy of a ray into each lane that is not used.
+    pub(super) fn fill(&mut self) {
+        let first = self.used.trailing_zeros() as usize % PACKET;
+        for lane in (0..PACKET).filter(|lane| self.used >> lane & 1 == 0) {
+            for axis in 0..3 {
+                self.origin[axis][lane] = self.origin[axis][first];
+                self.direction[axis][lane] = self.direction[axis][first];
+            }
+            self.t_max[lane] = self.t_max[first];
+            self.exclude[lane] = self.exclude[first];
+        }
+    }
+
+    /// The lanes that hold rays.
+    #[inline(always)]
+    pub(super) fn lanes(&self) -> Lanes {
+        Lanes(self.used)
+    }
+
+    /// One of the rays.
+    #[inline(always)]
+    pub(super) fn ray(&self, lane: usize) -> Ray {
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);
+        Ray {
+            origin: Vec3::new(ox[lane], oy[lane], oz[lane]),
+            direction: Vec3::new(dx[lane], dy[lane], dz[lane]),
+            t_max: self.t_max[lane],
+            exclude: self.exclude[lane],
+        }
+    }
+}
+
+/// The numbers of bits that are set, rising.
+pub(super) struct Lanes(pub(super) u32);
+
+impl Iterator for Lanes {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let lane = self.0.trailing_zeros() as usize % PACKET;
+        self.0 &= self.0 - 1;
+        Some(lane)
+    }
+}
+
+/// What triangles and spheres need of a packet whose rays have one main axis.
+pub(super) struct RayLanes<'a, V> {
+    pub(super) packet: &'a Packet,
+    pub(super) origin: [V; 3],
+    pub(super) direction: [V; 3],
     /// The largest coordinates of each ray and the scene.
-    pub(super) reach: [f32; PACKET],
+    pub(super) reach: V,
     /// Bounds all coordinates of the scene.
     pub(super) magnitude: f32,
     /// The order of axes, the main one last.
@@ -20,20 +118,11 @@ pub(super) struct RayLanes<V> {
     pub(super) sheared: ShearedRays<V>,
 }
 
-impl<V: Floats<PACKET>> RayLanes<V> {
+impl<V: Floats<PACKET>> RayLanes<'_, V> {
     /// None if the rays do not have the same main axis. `magnitude` bounds all coordinates of the scene.
     #[inline(always)]
-    pub(super) fn new(rays: &[Ray], magnitude: f32) -> Option<RayLanes<V>> {
-        let (mut origins, mut directions) = ([[0.0; PACKET]; 3], [[0.0; PACKET]; 3]);
-        let mut ray = &rays[0];
-        for lane in 0..PACKET {
-            ray = rays.get(lane).unwrap_or(ray);
-            for axis in 0..3 {
-                origins[axis][lane] = ray.origin[axis];
-                directions[axis][lane] = ray.direction[axis];
-            }
-        }
-        let ([ox, oy, oz], [dx, dy, dz]) = (&origins, &directions);
+    pub(super) fn new(packet: &Packet, magnitude: f32) -> Option<RayLanes<'_, V>> {
+        let ([ox, oy, oz], [dx, dy, dz]) = (&packet.origin, &packet.direction);
         let origin = [V::load(ox), V::load(oy), V::load(oz)];
         let direction = [V::load(dx), V::load(dy), V::load(dz)];
         let (x, y, z) = (size(direction[0]), size(direction[1]), size(direction[2]));
@@ -43,7 +132,7 @@ impl<V: Floats<PACKET>> RayLanes<V> {
             return None;
         }
 
-        let axes @ [kx, ky, kz] = permuted_axes(rays[0].direction);
+        let axes @ [kx, ky, kz] = permuted_axes(packet.ray(0).direction);
         let reach = size(origin[0]).max(size(origin[1])).max(size(origin[2]));
         let reach = reach.add(V::splat(magnitude));
         let stretch = V::splat(1.0).div(direction[kz]);
@@ -57,9 +146,10 @@ impl<V: Floats<PACKET>> RayLanes<V> {
             slack: reach.mul(V::splat(GROWTH)).mul(size(stretch)),
         };
         Some(RayLanes {
-            reach: reach.store(),
-            origin: origins,
-            direction: directions,
+            packet,
+            origin,
+            direction,
+            reach,
             magnitude,
             axes,
             sheared,
@@ -87,7 +177,7 @@ impl<V: Floats<PACKET>> RayLanes<V> {
     /// A bit for each ray whose line passes through the sphere.
     #[inline(always)]
     pub(super) fn pass_through(&self, sphere: &Sphere) -> u32 {
-        let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.packet.origin, &self.packet.direction);
         let mut passed_by = [0_u32; PACKET];
         for i in 0..PACKET {
             let origin = [ox[i].into(), oy[i].into(), oz[i].into()];
@@ -104,11 +194,8 @@ impl<V: Floats<PACKET>> RayLanes<V> {
     /// The origin and the direction of one.
     #[inline(always)]
     pub(super) fn line(&self, i: usize) -> (DVec3, DVec3) {
-        let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);
-        (
-            DVec3::new(ox[i].into(), oy[i].into(), oz[i].into()),
-            DVec3::new(dx[i].into(), dy[i].into(), dz[i].into()),
-        )
+        let ray = self.packet.ray(i);
+        (ray.origin.as_dvec3(), ray.direction.as_dvec3())
     }
 }
 

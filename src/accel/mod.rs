@@ -8,6 +8,7 @@
 //!
 //! Knows shapes and boxes, never materials, files or threads.
 
+mod batch;
 mod build;
 mod bundle;
 mod found;
@@ -15,6 +16,7 @@ mod kernel;
 mod lanes;
 mod node;
 mod packet;
+mod sight;
 mod simd;
 mod stack;
 mod triangle_block;
@@ -29,9 +31,9 @@ use kernel::Kernel;
 use node::Node;
 use stack::Stack;
 use triangle_block::TriangleBlock;
-use watertight::permuted_axes;
 
 pub use packet::PACKET;
+pub use sight::{Point, Points, Sight};
 pub use validate::TreeFault;
 
 /// Eight children, or eight triangles, are tested at once.
@@ -90,130 +92,11 @@ impl Bvh {
         kernel::closest(self, ray, &mut traversal.stack)
     }
 
-    /// The nearest primitive that each ray meets, sixteen at a time, as [`Bvh::closest`].
-    ///
-    /// Fast if the rays run side by side, with the same results if they do not.
-    pub fn closest_of_packet(
-        &self,
-        rays: &[Ray],
-        hits: &mut [Option<Hit>],
-        traversal: &mut Traversal,
-    ) {
-        for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
-            if !self.try_packet::<false>(rays, traversal, |number, found| {
-                hits[number] = (found.primitive != NO_PRIMITIVE).then_some(found);
-            }) {
-                self.closest_of_wave(rays, hits, traversal);
-            }
-        }
-    }
-
-    /// The nearest primitive that each of any number of rays meets, as [`Bvh::closest`].
-    ///
-    /// Faster than one ray after the other where there is no tree.
-    pub fn closest_of_wave(
-        &self,
-        rays: &[Ray],
-        hits: &mut [Option<Hit>],
-        traversal: &mut Traversal,
-    ) {
-        if self.nodes.is_empty() {
-            packets_by_axis(rays, |rays, numbers| {
-                self.try_packet::<false>(rays, traversal, |lane, found| {
-                    hits[numbers[lane]] = (found.primitive != NO_PRIMITIVE).then_some(found);
-                });
-            });
-        } else {
-            for (hit, ray) in hits.iter_mut().zip(rays) {
-                *hit = self.closest(ray, traversal);
-            }
-        }
-    }
-
     /// Whether anything lies in the ray's interval.
     #[inline]
     pub fn occluded(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
         traversal.rays += 1;
         kernel::occluded(self, ray, &mut traversal.stack)
-    }
-
-    /// Whether anything lies in the interval of each ray, sixteen at a time, as [`Bvh::occluded`].
-    pub fn occluded_of_packet(
-        &self,
-        rays: &[Ray],
-        occluded: &mut [bool],
-        traversal: &mut Traversal,
-    ) {
-        for (rays, occluded) in rays.chunks(PACKET).zip(occluded.chunks_mut(PACKET)) {
-            if !self.try_packet::<true>(rays, traversal, |number, found| {
-                occluded[number] = found.primitive != NO_PRIMITIVE;
-            }) {
-                self.occluded_of_wave(rays, occluded, traversal);
-            }
-        }
-    }
-
-    /// Whether anything lies in the interval of each of any number of rays, as [`Bvh::occluded`].
-    ///
-    /// Faster than one ray after the other where there is no tree.
-    pub fn occluded_of_wave(&self, rays: &[Ray], occluded: &mut [bool], traversal: &mut Traversal) {
-        if self.nodes.is_empty() {
-            packets_by_axis(rays, |rays, numbers| {
-                self.try_packet::<true>(rays, traversal, |lane, found| {
-                    occluded[numbers[lane]] = found.primitive != NO_PRIMITIVE;
-                });
-            });
-        } else {
-            for (occluded, ray) in occluded.iter_mut().zip(rays) {
-                *occluded = self.occluded(ray, traversal);
-            }
-        }
-    }
-
-    /// Says what each ray of a packet meets, if they have enough in common; otherwise returns false.
-    fn try_packet<const ANY: bool>(
-        &self,
-        rays: &[Ray],
-        traversal: &mut Traversal,
-        mut say: impl FnMut(usize, Hit),
-    ) -> bool {
-        if rays.is_empty() {
-            return true;
-        }
-        let mut found = [NOTHING; PACKET];
-        let found = &mut found[..rays.len()];
-        let is_packet = kernel::packet::<ANY>(self, rays, found, &mut traversal.packet_stack);
-        if is_packet {
-            traversal.rays += rays.len() as u64;
-            for (number, found) in found.iter().enumerate() {
-                say(number, *found);
-            }
-        }
-        is_packet
-    }
-}
-
-/// Hands out packets of rays that have the same main axis, and their numbers in `rays`.
-fn packets_by_axis(rays: &[Ray], mut packet: impl FnMut(&[Ray], &[usize])) {
-    const MANY: usize = 4 * PACKET;
-    for (rays, first) in rays.chunks(MANY).zip((0..).step_by(MANY)) {
-        let mut numbers = [[0; MANY]; 3];
-        let mut counts = [0; 3];
-        for (number, ray) in rays.iter().enumerate() {
-            let axis = permuted_axes(ray.direction)[2];
-            numbers[axis][counts[axis] % MANY] = number;
-            counts[axis] += 1;
-        }
-        for (numbers, count) in numbers.iter_mut().zip(counts) {
-            for numbers in numbers[..count].chunks_mut(PACKET) {
-                let mut same = [rays[0]; PACKET];
-                for (ray, number) in same.iter_mut().zip(&mut *numbers) {
-                    *ray = rays[*number];
-                    *number += first;
-                }
-                packet(&same[..numbers.len()], numbers);
-            }
-        }
     }
 }
 

@@ -8,12 +8,11 @@ use super::Bvh;
 use super::bundle::Bundle;
 use super::found::Found;
 use super::kernel::Machine;
-use super::lanes::RayLanes;
+use super::lanes::{Packet, RayLanes};
 use super::node::{Child, ROOT};
 use super::simd::Floats;
 use super::stack::STACK_SIZE;
 use crate::geometry::Hit;
-use crate::math::Ray;
 
 /// How many rays go through the tree together.
 pub const PACKET: usize = 16;
@@ -62,34 +61,28 @@ impl PacketStack {
 }
 
 /// The answers for up to sixteen rays: [`NOTHING`](super::NOTHING) for none; if `ANY`, anything else if something
-/// lies in the ray's interval. Returns false, and leaves `hits` alone, if the rays do not all run
-/// along the same main axis or, if there is a tree, into the same octant.
+/// lies in the ray's interval. None if the rays do not all run along the same main axis or, if there is a
+/// tree, into the same octant.
 #[inline(always)]
 pub(super) fn walk_packet<M: Machine, const ANY: bool>(
     bvh: &Bvh,
-    rays: &[Ray],
-    hits: &mut [Hit],
+    packet: &Packet,
     stack: &mut PacketStack,
-) -> bool {
-    let Some(lanes) = RayLanes::<M::Many>::new(rays, bvh.magnitude) else {
-        return false;
-    };
-    let mut found = Found::new::<ANY>(rays);
-    let all = (1 << rays.len()) - 1;
+) -> Option<[Hit; PACKET]> {
+    let lanes = RayLanes::<M::Many>::new(packet, bvh.magnitude)?;
+    let mut found = Found::new::<ANY>(packet);
+    let all = packet.used;
     if bvh.nodes.is_empty() {
         for (sphere, primitive) in bvh.spheres.iter().zip(bvh.first_sphere..) {
-            found.meet_sphere::<M, ANY>(sphere, primitive, rays, &lanes, all);
+            found.meet_sphere::<M, ANY>(sphere, primitive, &lanes, all);
         }
         for block in &bvh.blocks {
             let triangles = (1 << block.count()) - 1;
-            found.meet_together::<M, ANY>(block, triangles, rays, &lanes, all);
+            found.meet_together::<M, ANY>(block, triangles, &lanes, all);
         }
-        hits.copy_from_slice(&found.best[..rays.len()]);
-        return true;
+        return Some(found.best);
     }
-    let Some(bundle) = Bundle::new(&lanes) else {
-        return false;
-    };
+    let bundle = Bundle::new(&lanes)?;
     let mut farthest = found.farthest::<M>();
     stack.len = 0;
     let (mut next, mut some) = (ROOT, all);
@@ -114,11 +107,11 @@ pub(super) fn walk_packet<M: Machine, const ANY: bool>(
             Child::Triangles(index) => {
                 let block = &bvh.blocks[index as usize];
                 let changed = if some.count_ones() < FEW {
-                    found.meet_one_by_one::<M, ANY>(block, rays, &lanes, some)
+                    found.meet_one_by_one::<M, ANY>(block, &lanes, some)
                 } else {
                     let planes = block.planes::<M::One>();
                     let (near, far) = bundle.enter_bundle(&planes, farthest);
-                    found.meet_together::<M, ANY>(block, near.le(far), rays, &lanes, some)
+                    found.meet_together::<M, ANY>(block, near.le(far), &lanes, some)
                 };
                 if changed {
                     farthest = found.farthest::<M>();
@@ -127,14 +120,13 @@ pub(super) fn walk_packet<M: Machine, const ANY: bool>(
             Child::Sphere(index) => {
                 let sphere = &bvh.spheres[index as usize];
                 let primitive = bvh.first_sphere + index;
-                found.meet_sphere::<M, ANY>(sphere, primitive, rays, &lanes, some);
+                found.meet_sphere::<M, ANY>(sphere, primitive, &lanes, some);
                 farthest = found.farthest::<M>();
             }
         }
         loop {
             let Some((near, child, those)) = stack.pop().filter(|_| farthest >= 0.0) else {
-                hits.copy_from_slice(&found.best[..rays.len()]);
-                return true;
+                return Some(found.best);
             };
             if near <= farthest {
                 (next, some) = (child, those);

@@ -17,6 +17,7 @@ pub(super) trait Floats<const N: usize>: Copy {
     fn sub(self, other: Self) -> Self;
     fn mul(self, other: Self) -> Self;
     fn div(self, other: Self) -> Self;
+    fn sqrt(self) -> Self;
     /// `self * factor - other`, rounded once or twice: the one operation whose bits depend on the
     /// processor, for bounds that cover either.
     fn mul_sub(self, factor: Self, other: Self) -> Self;
@@ -80,6 +81,10 @@ impl<const N: usize> Floats<N> for Portable<N> {
         self.zip(other, |a, b| a / b)
     }
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.zip(self, |a, _| a.sqrt())
+    }
+    #[inline(always)]
     fn mul_sub(self, factor: Self, other: Self) -> Self {
         self.mul(factor).sub(other)
     }
@@ -126,7 +131,7 @@ mod x86_64 {
     /// on that.
     macro_rules! register {
         ($(#[$doc:meta])* $name:ident, $register:ty, $lanes:literal,
-         $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $mul_sub:ident,
+         $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $mul_sub:ident,
          $min:ident, $max:ident, $least:ident, $greatest:ident, |$a:ident, $b:ident| $lt:expr, $le:expr, $zero_below:expr) => {
             $(#[$doc])*
             #[derive(Clone, Copy)]
@@ -187,6 +192,11 @@ mod x86_64 {
                     $name(unsafe { $div(self.0, other.0) })
                 }
                 #[inline(always)]
+                fn sqrt(self) -> Self {
+                    // SAFETY: the instructions are present; see the macro.
+                    $name(unsafe { $sqrt(self.0) })
+                }
+                #[inline(always)]
                 fn mul_sub(self, factor: Self, other: Self) -> Self {
                     // SAFETY: the instructions are present; see the macro.
                     $name(unsafe { $mul_sub(self.0, factor.0, other.0) })
@@ -243,7 +253,7 @@ mod x86_64 {
         /// A 256-bit register, for AVX2 and FMA.
         Avx2, __m256, 8,
         _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps,
-        _mm256_div_ps, _mm256_fmsub_ps, _mm256_min_ps, _mm256_max_ps, least, greatest,
+        _mm256_div_ps, _mm256_sqrt_ps, _mm256_fmsub_ps, _mm256_min_ps, _mm256_max_ps, least, greatest,
         |a, b| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32,
         _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32,
         {
@@ -256,7 +266,7 @@ mod x86_64 {
         /// A 512-bit register, for AVX-512 F.
         Avx512, __m512, 16,
         _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps,
-        _mm512_div_ps, _mm512_fmsub_ps, _mm512_min_ps, _mm512_max_ps, _mm512_reduce_min_ps, _mm512_reduce_max_ps,
+        _mm512_div_ps, _mm512_sqrt_ps, _mm512_fmsub_ps, _mm512_min_ps, _mm512_max_ps, _mm512_reduce_min_ps, _mm512_reduce_max_ps,
         |a, b| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b).into(),
         _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b).into(),
         _mm512_maskz_mov_ps(!_mm512_cmp_ps_mask::<_CMP_LT_OQ>(_mm512_abs_ps(a), b), a)
@@ -314,6 +324,10 @@ mod x86_64 {
             Avx2Pair(self.0.div(other.0), self.1.div(other.1))
         }
         #[inline(always)]
+        fn sqrt(self) -> Self {
+            Avx2Pair(self.0.sqrt(), self.1.sqrt())
+        }
+        #[inline(always)]
         fn mul_sub(self, factor: Self, other: Self) -> Self {
             Avx2Pair(
                 self.0.mul_sub(factor.0, other.0),
@@ -363,7 +377,7 @@ mod x86_64 {
         fn results<V: Floats<N>, const N: usize>(
             a: &[f32; N],
             b: &[f32; N],
-        ) -> ([[u32; N]; 8], [u32; 2]) {
+        ) -> ([[u32; N]; 9], [u32; 2]) {
             let (a, b) = (V::load(a), V::load(b));
             let bits = |v: V| {
                 v.store()
@@ -375,6 +389,7 @@ mod x86_64 {
                     a.sub(b),
                     a.mul(b),
                     a.div(b),
+                    a.sqrt(),
                     a.min(b),
                     a.max(b),
                     a.zero_below(0.5),
@@ -397,17 +412,17 @@ mod x86_64 {
         }
 
         #[target_feature(enable = "avx2,fma")]
-        fn with_avx2(a: &[f32; 8], b: &[f32; 8]) -> ([[u32; 8]; 8], [u32; 2]) {
+        fn with_avx2(a: &[f32; 8], b: &[f32; 8]) -> ([[u32; 8]; 9], [u32; 2]) {
             results::<Avx2, 8>(a, b)
         }
 
         #[target_feature(enable = "avx2,fma")]
-        fn with_pair(a: &[f32; 16], b: &[f32; 16]) -> ([[u32; 16]; 8], [u32; 2]) {
+        fn with_pair(a: &[f32; 16], b: &[f32; 16]) -> ([[u32; 16]; 9], [u32; 2]) {
             results::<Avx2Pair, 16>(a, b)
         }
 
         #[target_feature(enable = "avx512f")]
-        fn with_avx512(a: &[f32; 16], b: &[f32; 16]) -> ([[u32; 16]; 8], [u32; 2]) {
+        fn with_avx512(a: &[f32; 16], b: &[f32; 16]) -> ([[u32; 16]; 9], [u32; 2]) {
             results::<Avx512, 16>(a, b)
         }
 

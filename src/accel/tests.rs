@@ -73,7 +73,7 @@ pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
     let mut hits = vec![None; rays.len()];
     bvh.closest_of_wave(rays, &mut hits, &mut traversal);
     let mut occluded = vec![false; rays.len()];
-    bvh.occluded_of_wave(rays, &mut occluded, &mut traversal);
+    bvh.occluded_of_packet(rays, &mut occluded, &mut traversal);
     for ((ray, hit), occluded) in rays.iter().zip(hits).zip(occluded) {
         assert_eq!(hit, bvh.closest(ray, &mut traversal), "{ray:?}");
         assert_eq!(occluded, bvh.occluded(ray, &mut traversal), "{ray:?}");
@@ -104,6 +104,79 @@ pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
         bvh.occluded_of_packet(&shadow_rays, &mut occluded, &mut traversal);
         for (ray, occluded) in shadow_rays.iter().zip(occluded) {
             assert_eq!(occluded, bvh.occluded(ray, &mut traversal), "{ray:?}");
+        }
+    }
+}
+
+/// How sixteen points or fewer see a light, by hand; with every kernel the same bits; and what is in the way,
+/// as rays find it one by one.
+#[test]
+fn sights_agree_with_single_rays() {
+    let mut random = Random(11);
+    let triangles: Vec<[Vec3; 3]> = (0..300)
+        .map(|_| {
+            let at = random.vector(2.0);
+            [at, at + random.vector(0.5), at + random.vector(0.5)]
+        })
+        .collect();
+    for (count, triangles) in [(300, &triangles[..]), (9, &triangles[..9])] {
+        let bvhs = Kernel::available()
+            .into_iter()
+            .map(|k| build::build(triangles, vec![], k));
+        let bvhs: Vec<Bvh> = bvhs.collect();
+        assert_eq!(bvhs[0].nodes.is_empty(), count == 9);
+        let mut traversal = Traversal::default();
+        for round in 0..200 {
+            let target = random.vector(2.0);
+            // Side by side in half of the rounds, all over the scene in the others.
+            let size = if round % 2 == 0 { 0.05 } else { 2.0 };
+            let middle = random.vector(2.0);
+            let listed: Vec<Point> = (0..1 + round % PACKET)
+                .map(|i| Point {
+                    position: if i == 3 {
+                        target
+                    } else {
+                        middle + random.vector(size)
+                    },
+                    geometric_normal: random.vector(1.0).normalize(),
+                    shading_normal: random.vector(1.0).normalize(),
+                    offset: 1e-6,
+                    exclude: i as u32,
+                })
+                .collect();
+            let mut points = Points::default();
+            listed.iter().for_each(|point| points.push(point));
+            let sights: Vec<Sight> = bvhs.iter().map(|b| b.look(&points, target)).collect();
+            for (lane, point) in listed.iter().enumerate() {
+                let way = target - point.position;
+                let faces =
+                    way.dot(point.geometric_normal) > 0.0 && way.dot(point.shading_normal) > 0.0;
+                assert_eq!(sights[0].facing() >> lane & 1 != 0, faces);
+            }
+            assert!(sights[0].facing() < 1 << listed.len());
+            for (bvh, sight) in bvhs.iter().zip(&sights) {
+                assert_eq!(sight.facing(), sights[0].facing());
+                let together = bvh.occluded_of_sight(sight, &mut traversal);
+                assert_eq!(
+                    bvh.occluded_of_sights(std::slice::from_ref(sight), &mut traversal),
+                    [together]
+                );
+                for lane in sight.rays.lanes() {
+                    let (ray, same) = (sight.rays.ray(lane), sights[0].rays.ray(lane));
+                    assert_eq!(format!("{ray:?}"), format!("{same:?}"));
+                    let point = &listed[lane];
+                    let start = point.leave(ray.direction);
+                    assert_eq!((ray.origin, ray.exclude), (start.origin, start.exclude));
+                    assert!((ray.at(ray.t_max.into()).as_vec3() - target).length() < 1e-5);
+                    assert!(ray.t_max < sight.distance(lane));
+                    let cosine = ray.direction.dot(point.geometric_normal);
+                    assert!((cosine - sight.cosine(lane)).abs() < 1e-6);
+                    assert_eq!(
+                        together >> lane & 1 != 0,
+                        bvh.occluded(&ray, &mut traversal)
+                    );
+                }
+            }
         }
     }
 }

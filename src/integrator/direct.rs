@@ -1,4 +1,4 @@
-use crate::accel::Traversal;
+use crate::accel::{PACKET, Points, Sight, Traversal};
 use crate::material::Features;
 use crate::math::Ray;
 use crate::scene::{Scene, Surface};
@@ -10,12 +10,10 @@ pub(super) struct Lit {
     pub(super) number: usize,
     /// The number of the light.
     pub(super) light: usize,
-    /// The unit direction to it.
-    direction: Vec3,
-    /// The cosine of its angle to the surface's geometric normal.
-    pub(super) cosine: f32,
     /// How far away it is.
     pub(super) distance: f32,
+    /// The cosine of its angle to the surface's geometric normal.
+    pub(super) cosine: f32,
 }
 
 /// [`direct_of`] surfaces side by side: their shadow rays run so, too.
@@ -25,8 +23,9 @@ pub(super) fn direct_of_neighbours<F: Features>(
     rays: &[Ray],
     traversal: &mut Traversal,
 ) -> Vec<Vec3> {
-    let occluded = |rays: &[Ray], occluded: &mut [bool]| {
-        scene.occluded_of_packet(rays, occluded, traversal);
+    let occluded = |sights: &[Sight]| {
+        let of_sight = |sight| scene.occluded_of_sight(sight, traversal);
+        sights.iter().map(of_sight).collect()
     };
     direct_of::<F>(scene, seen, rays, occluded, |_| {})
 }
@@ -39,9 +38,7 @@ pub(super) fn direct_of_wave<F: Features>(
     traversal: &mut Traversal,
     reached: impl FnMut(&Lit),
 ) -> Vec<Vec3> {
-    let occluded = |rays: &[Ray], occluded: &mut [bool]| {
-        scene.occluded_of_wave(rays, occluded, traversal);
-    };
+    let occluded = |sights: &[Sight]| scene.occluded_of_sights(sights, traversal);
     direct_of::<F>(scene, seen, rays, occluded, reached)
 }
 
@@ -54,51 +51,48 @@ fn direct_of<F: Features>(
     scene: &Scene,
     seen: &[Option<Surface>],
     rays: &[Ray],
-    mut occluded: impl FnMut(&[Ray], &mut [bool]),
+    mut occluded: impl FnMut(&[Sight]) -> Vec<u32>,
     mut reached: impl FnMut(&Lit),
 ) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; seen.len()];
-    let mut is_occluded = vec![false; seen.len()];
-    let mut shadow_rays = Vec::with_capacity(seen.len());
-    let mut facing = Vec::with_capacity(seen.len());
     let surfaces: Vec<(usize, &Surface)> = (0..)
         .zip(seen)
         .filter_map(|(number, surface)| Some((number, surface.as_ref()?)))
         .filter(|(_, surface)| surface.reflectance.reflects_light::<F>())
         .collect();
-    for (light_number, light) in scene.lights.iter().enumerate() {
-        shadow_rays.clear();
-        facing.clear();
-        for &(number, surface) in &surfaces {
-            let to_light = light.position - surface.position;
-            let distance = to_light.length();
-            let height = to_light.dot(surface.geometric_normal);
-            if height > 0.0 && to_light.dot(surface.shading_normal) > 0.0 && distance > 0.0 {
-                let direction = to_light / distance;
-                shadow_rays.push(surface.towards(light.position, direction, distance));
-                facing.push((
-                    Lit {
-                        number,
-                        light: light_number,
-                        direction,
-                        cosine: height / distance,
-                        distance,
-                    },
-                    surface,
-                ));
-            }
+    let packets = surfaces.chunks(PACKET).map(|surfaces| {
+        let mut points = Points::default();
+        for (_, surface) in surfaces {
+            points.push(&surface.point);
         }
-        let is_occluded = &mut is_occluded[..shadow_rays.len()];
-        occluded(&shadow_rays, is_occluded);
-        for ((lit, surface), is_occluded) in facing.iter().zip(is_occluded) {
-            if !*is_occluded {
+        points
+    });
+    let packets: Vec<Points> = packets.collect();
+    let mut sights = Vec::with_capacity(packets.len());
+    for (light_number, light) in scene.lights.iter().enumerate() {
+        sights.clear();
+        sights.extend(packets.iter().map(|p| scene.look(p, light.position)));
+        let is_occluded = occluded(&sights);
+        for ((surfaces, sight), occluded) in surfaces.chunks(PACKET).zip(&sights).zip(&is_occluded)
+        {
+            let mut lit = sight.facing() & !occluded;
+            while lit != 0 {
+                let lane = lit.trailing_zeros() as usize % PACKET;
+                lit &= lit - 1;
+                let (number, surface) = surfaces[lane];
+                let distance = sight.distance(lane);
                 let reflected = surface.reflectance.reflect_light::<F>(
-                    surface.shading_normal,
-                    lit.direction,
-                    -rays[lit.number].direction,
+                    surface.point.shading_normal,
+                    sight.direction(lane),
+                    -rays[number].direction,
                 );
-                sums[lit.number] += reflected * light.color_at(lit.distance * lit.distance);
-                reached(lit);
+                sums[number] += reflected * light.color_at(distance * distance);
+                reached(&Lit {
+                    number,
+                    light: light_number,
+                    distance,
+                    cosine: sight.cosine(lane),
+                });
             }
         }
     }

@@ -133,12 +133,12 @@ fn ambient(scene: &Scene) -> Vec3 {
 /// The ray that a mirror at the surface sees in place of `ray`.
 fn reflect(surface: &Surface, ray: &Ray) -> Ray {
     let viewer = -ray.direction;
-    let reflected = mirror(viewer, surface.shading_normal);
+    let reflected = mirror(viewer, surface.point.shading_normal);
     // An interpolated normal may send it into the surface; the shape's own never does.
-    let reflected = if reflected.dot(surface.geometric_normal) > 0.0 {
+    let reflected = if reflected.dot(surface.point.geometric_normal) > 0.0 {
         reflected
     } else {
-        mirror(viewer, surface.geometric_normal)
+        mirror(viewer, surface.point.geometric_normal)
     };
-    surface.leave(reflected)
+    surface.point.leave(reflected)
 }

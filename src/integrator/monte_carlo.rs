@@ -256,10 +256,10 @@ impl<F: Features> Estimator<'_, F> {
         }
         let [u, v] = path.sequence.sample_2d(number, path.depth);
         let local = cosine_hemisphere(u, v);
-        let direction = to_world(surface.shading_normal, local);
+        let direction = to_world(surface.point.shading_normal, local);
         // Below the shape's own horizon an interpolated normal gathers nothing.
-        (direction.dot(surface.geometric_normal) > 0.0).then(|| Path {
-            ray: surface.leave(direction),
+        (direction.dot(surface.point.geometric_normal) > 0.0).then(|| Path {
+            ray: surface.point.leave(direction),
             choice: if spots.is_empty() {
                 Choice::Only
             } else {

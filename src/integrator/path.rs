@@ -63,13 +63,13 @@ impl Path {
     /// For a path whose ray leaves a light and hits there: the one that goes from `surface` to that point,
     /// or none if the point lies below the horizon.
     pub(super) fn aim(&self, surface: &Surface, hit: &Hit) -> Option<Path> {
-        let to_point = self.ray.at(hit.t) - surface.position.as_dvec3();
+        let to_point = self.ray.at(hit.t) - surface.point.position.as_dvec3();
         let distance = to_point.length();
         let direction = (to_point / distance).as_vec3();
-        let cosine = direction.dot(surface.shading_normal);
-        let is_above = cosine > 0.0 && direction.dot(surface.geometric_normal) > 0.0;
+        let cosine = direction.dot(surface.point.shading_normal);
+        let is_above = cosine > 0.0 && direction.dot(surface.point.geometric_normal) > 0.0;
         is_above.then(|| Path {
-            ray: surface.leave(direction),
+            ray: surface.point.leave(direction),
             choice: Choice::Spot {
                 cosine_density: cosine / PI,
                 primitive: hit.primitive,
@@ -103,8 +103,8 @@ impl Path {
             }
         };
         let spot_density = met.map_or(0.0, |(_, surface)| {
-            let distance_squared = (surface.position - self.ray.origin).length_squared();
-            let cos = -surface.geometric_normal.dot(self.ray.direction);
+            let distance_squared = (surface.point.position - self.ray.origin).length_squared();
+            let cos = -surface.point.geometric_normal.dot(self.ray.direction);
             seen_by_lights * distance_squared / cos
         });
         let both = (1.0 - Choice::SPOT_SHARE) * cosine_density + Choice::SPOT_SHARE * spot_density;

@@ -13,7 +13,7 @@ pub use builder::{MeshMaterial, SceneBuilder, SourceMesh};
 pub use spots::Spots;
 pub use surface::Surface;
 
-use crate::accel::{Bvh, Traversal};
+use crate::accel::{Bvh, Points, Sight, Traversal};
 use crate::geometry::{Corners, Hit, Mesh, Sphere};
 use crate::light::PointLight;
 use crate::material::{FeatureSet, Material};
@@ -68,14 +68,14 @@ impl Scene {
         self.bvh.closest_of_packet(rays, hits, traversal);
     }
 
-    /// Whether anything lies in the interval of each of some rays that run side by side.
-    pub fn occluded_of_packet(
-        &self,
-        rays: &[Ray],
-        occluded: &mut [bool],
-        traversal: &mut Traversal,
-    ) {
-        self.bvh.occluded_of_packet(rays, occluded, traversal);
+    /// How points see a target if nothing is in the way.
+    pub fn look(&self, points: &Points, target: Vec3) -> Sight {
+        self.bvh.look(points, target)
+    }
+
+    /// A bit for each ray of a sight that has something in its interval, of rays that run side by side.
+    pub fn occluded_of_sight(&self, sight: &Sight, traversal: &mut Traversal) -> u32 {
+        self.bvh.occluded_of_sight(sight, traversal)
     }
 
     /// As [`Scene::closest_of_packet`], of any number of rays that have nothing in common.
@@ -88,9 +88,9 @@ impl Scene {
         self.bvh.closest_of_wave(rays, hits, traversal);
     }
 
-    /// As [`Scene::occluded_of_packet`], of any number of rays that have nothing in common.
-    pub fn occluded_of_wave(&self, rays: &[Ray], occluded: &mut [bool], traversal: &mut Traversal) {
-        self.bvh.occluded_of_wave(rays, occluded, traversal);
+    /// As [`Scene::occluded_of_sight`], of sights all over the scene, one after the other.
+    pub fn occluded_of_sights(&self, sights: &[Sight], traversal: &mut Traversal) -> Vec<u32> {
+        self.bvh.occluded_of_sights(sights, traversal)
     }
 
     /// What its surfaces need.

@@ -93,6 +93,7 @@ fn unevenness(scene: &Scene, light: usize) -> f32 {
         };
         let cos = scene
             .surface::<Only<0>>(&ray, &hit)
+            .point
             .geometric_normal
             .dot(-ray.direction);
         let length = hit.t as f32;

@@ -1,4 +1,5 @@
 use super::{MeshMaterial, Scene, Triangle};
+use crate::accel::Point;
 use crate::geometry::Hit;
 use crate::material::{Features, Reflectance};
 use crate::math::{NO_PRIMITIVE, Ray};
@@ -7,22 +8,14 @@ use glam::{DVec3, Vec2, Vec3};
 /// The surface at a hit, seen from the ray's side.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
-    /// The point, relative to the scene's origin.
-    pub position: Vec3,
-    /// The normal for shading, of unit length, on the viewer's side.
-    pub shading_normal: Vec3,
-    /// The normal of the shape itself, of unit length, on the viewer's side.
-    pub geometric_normal: Vec3,
-    /// How the surface returns light.
+    /// Where it is, relative to the scene's origin, and how rays leave it on the viewer's side.
+    pub point: Point,
+    /// How it returns light.
     pub reflectance: Reflectance,
-    /// How far a new ray starts from the point along the geometric normal.
-    offset: f32,
-    /// What rays that leave on the viewer's side cannot hit.
-    exclude: u32,
 }
 
 /// A point on a shape, before the viewer's side is known.
-struct Point {
+struct ShapePoint {
     position: DVec3,
     geometric_normal: Vec3,
     shading_normal: Vec3,
@@ -55,22 +48,25 @@ impl Scene {
         };
         let position = point.position.as_vec3();
         let magnitude = ray.origin.abs().max_element().max(self.magnitude);
+        let is_convex = point.convex[usize::from(!outside)];
         Surface {
-            position,
-            shading_normal,
-            geometric_normal,
-            reflectance: point.reflectance,
-            offset: offset(position, geometric_normal, magnitude),
-            exclude: if point.convex[usize::from(!outside)] {
-                hit.primitive
-            } else {
-                NO_PRIMITIVE
+            point: Point {
+                position,
+                geometric_normal,
+                shading_normal,
+                offset: offset(position, geometric_normal, magnitude),
+                exclude: if is_convex {
+                    hit.primitive
+                } else {
+                    NO_PRIMITIVE
+                },
             },
+            reflectance: point.reflectance,
         }
     }
 
     #[inline]
-    fn triangle_point<F: Features>(&self, position: DVec3, triangle: &Triangle) -> Point {
+    fn triangle_point<F: Features>(&self, position: DVec3, triangle: &Triangle) -> ShapePoint {
         let corners = triangle.corners;
         let mesh = &self.meshes[triangle.mesh as usize];
         let material = &self.mesh_materials[triangle.mesh as usize];
@@ -91,7 +87,7 @@ impl Scene {
             Vec2::ZERO
         };
         let at = |material: usize| self.materials[material].at::<F>(uv, &self.textures);
-        Point {
+        ShapePoint {
             position,
             geometric_normal: triangle.normal,
             shading_normal: mesh.shading_normal(corners, weights, triangle.normal),
@@ -104,7 +100,7 @@ impl Scene {
     }
 
     #[inline]
-    fn sphere_point<F: Features>(&self, position: DVec3, index: usize) -> Point {
+    fn sphere_point<F: Features>(&self, position: DVec3, index: usize) -> ShapePoint {
         let sphere = &self.spheres[index];
         let normal = (position - sphere.center).normalize();
         let material = &self.materials[self.sphere_materials[index]];
@@ -112,7 +108,7 @@ impl Scene {
             Some(_) if F::TEXTURES => sphere.uv(normal),
             _ => Vec2::ZERO,
         };
-        Point {
+        ShapePoint {
             position: sphere.center + normal * sphere.radius,
             geometric_normal: normal.as_vec3(),
             shading_normal: normal.as_vec3(),
@@ -131,28 +127,4 @@ impl Scene {
 fn offset(position: Vec3, normal: Vec3, magnitude: f32) -> f32 {
     const DOUBLE_ROUNDINGS: f32 = 32.0 * f64::EPSILON as f32;
     (2.0 * f32::EPSILON * position.abs()).dot(normal.abs()) + DOUBLE_ROUNDINGS * magnitude
-}
-
-impl Surface {
-    /// A ray that leaves the surface on the viewer's side.
-    pub fn leave(&self, direction: Vec3) -> Ray {
-        Ray {
-            origin: self.position + self.geometric_normal * self.offset,
-            direction,
-            t_max: f32::INFINITY,
-            exclude: self.exclude,
-        }
-    }
-
-    /// A ray from the surface towards a light, which is `distance` away in the unit direction
-    /// `direction`: what it meets is in the way.
-    ///
-    /// It stops short of the light by the rounding of its two ends, so a light on a surface lights
-    /// the surface's own side.
-    pub fn towards(&self, light: Vec3, direction: Vec3, distance: f32) -> Ray {
-        let mut ray = self.leave(direction);
-        let largest = self.position.abs().max(light.abs()).max_element();
-        ray.t_max = (distance - self.offset - 4.0 * f32::EPSILON * largest).max(0.0);
-        ray
-    }
 }

@@ -9,14 +9,14 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::accel::{PACKET, Traversal};
+use flythrough::accel::{PACKET, Points, Sight, Traversal};
 use flythrough::camera::Camera;
 use flythrough::input::{InputFiles, Settings, load_camera_path, load_scene};
 use flythrough::material::Only;
 use flythrough::math::Ray;
 use flythrough::render::{RenderSettings, render_frame};
 use flythrough::sampling::Sequence;
-use flythrough::scene::{Scene, Surface};
+use flythrough::scene::Scene;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::path::Path;
@@ -186,23 +186,21 @@ fn by_threads(name: &str, frame: &Frame) {
 fn beside_its_rays(name: &str, frame: &Frame) {
     let (whole, rays) = frame.render();
     let tiles = tiles(frame);
-    let count: usize = tiles.iter().flatten().map(|(_, rays)| rays.len()).sum();
+    let of_packet = |(rays, sights): &(Vec<Ray>, Vec<Sight>)| {
+        let shadow_rays: u32 = sights.iter().map(|s| s.facing().count_ones()).sum();
+        rays.len() + shadow_rays as usize
+    };
+    let count: usize = tiles.iter().flatten().map(of_packet).sum();
     let seconds = median(|| {
         tiles.par_iter().for_each(|packets| {
             let mut traversal = Traversal::default();
-            for (is_shadow, rays) in packets {
-                if *is_shadow {
-                    let mut occluded = [false; PACKET];
-                    frame
-                        .scene
-                        .occluded_of_packet(rays, &mut occluded, &mut traversal);
-                    std::hint::black_box(occluded);
-                } else {
-                    let mut hits = [None; PACKET];
-                    frame
-                        .scene
-                        .closest_of_packet(rays, &mut hits, &mut traversal);
-                    std::hint::black_box(hits);
+            for (rays, sights) in packets {
+                let mut hits = [None; PACKET];
+                let scene = &frame.scene;
+                scene.closest_of_packet(rays, &mut hits, &mut traversal);
+                std::hint::black_box(hits);
+                for sight in sights {
+                    std::hint::black_box(scene.occluded_of_sight(sight, &mut traversal));
                 }
             }
         });
@@ -220,8 +218,8 @@ fn beside_its_rays(name: &str, frame: &Frame) {
     );
 }
 
-/// For tiles of 8 x 8 pixels: packets of rays, and whether they are shadow rays.
-fn tiles(frame: &Frame) -> Vec<Vec<(bool, Vec<Ray>)>> {
+/// For tiles of 8 x 8 pixels: packets of camera rays, and the shadow rays to every light.
+fn tiles(frame: &Frame) -> Vec<Vec<(Vec<Ray>, Vec<Sight>)>> {
     const TILE: u32 = 8;
     let (width, height) = (frame.settings.width, frame.settings.height);
     let size = DVec2::new(width.into(), height.into());
@@ -246,22 +244,15 @@ fn tiles(frame: &Frame) -> Vec<Vec<(bool, Vec<Ray>)>> {
             frame
                 .scene
                 .closest_of_packet(&rays, &mut hits, &mut traversal);
-            let surfaces: Vec<_> = rays
-                .iter()
-                .zip(hits)
-                .filter_map(|(ray, hit)| Some(frame.scene.surface::<Only<0>>(ray, &hit?)))
-                .collect();
-            packets.push((false, rays));
-            for light in &frame.scene.lights {
-                let towards = |surface: &Surface| {
-                    let to_light = light.position - surface.position;
-                    let is_before = to_light.dot(surface.geometric_normal) > 0.0;
-                    let distance = to_light.length();
-                    is_before
-                        .then(|| surface.towards(light.position, to_light / distance, distance))
-                };
-                packets.push((true, surfaces.iter().filter_map(towards).collect()));
+            let mut points = Points::default();
+            for (ray, hit) in rays.iter().zip(&hits) {
+                if let Some(hit) = hit {
+                    points.push(&frame.scene.surface::<Only<0>>(ray, hit).point);
+                }
             }
+            let lights = frame.scene.lights.iter();
+            let sights = lights.map(|light| frame.scene.look(&points, light.position));
+            packets.push((rays, sights.collect()));
         }
         packets
     };

@@ -5,6 +5,7 @@ mod support;
 
 use std::fs;
 use std::path::Path;
+use std::process::{Command, Stdio};
 use support::*;
 
 const PAIRS: [(&str, &str); 6] = [
@@ -24,6 +25,22 @@ fn render_small(scene: &str, path: &str, out: &Path, more: &[&str]) -> (Option<i
     arguments.extend(more);
     let output = flythrough(&arguments);
     (output.status.code(), stderr(&output))
+}
+
+/// A reader that has had enough, as `head`, is no fault.
+#[test]
+fn output_that_nobody_reads() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_flythrough"))
+        .current_dir(root())
+        .args(["check", "scenes/test3.ron", "paths/test3.ron"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(stderr(&output), "");
 }
 
 #[test]

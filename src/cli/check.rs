@@ -2,6 +2,7 @@ use super::args::CheckArguments;
 use super::{Failure, Status, warn};
 use crate::input::{InputFiles, load_camera_path, load_scene};
 use glam::DVec3;
+use std::io::Write;
 
 pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     let mut files = InputFiles::default();
@@ -11,45 +12,49 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     let settings = path.settings.or(input.settings);
     let resolved = settings.resolve();
 
-    println!("scene      {}", arguments.scene.display());
-    println!("objects    {}", input.object_count);
-    println!("triangles  {}", scene.triangle_count());
-    println!("spheres    {}", scene.sphere_count());
-    println!("lights     {}", scene.lights.len());
-    println!("textures   {}", scene.textures().len());
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "scene      {}", arguments.scene.display())?;
+    writeln!(out, "objects    {}", input.object_count)?;
+    writeln!(out, "triangles  {}", scene.triangle_count())?;
+    writeln!(out, "spheres    {}", scene.sphere_count())?;
+    writeln!(out, "lights     {}", scene.lights.len())?;
+    writeln!(out, "textures   {}", scene.textures().len())?;
     for (texture, file) in scene.textures().iter().zip(&input.texture_files) {
         let (width, height) = texture.size();
-        println!("           {width}x{height} {}", file.display());
+        writeln!(out, "           {width}x{height} {}", file.display())?;
     }
     let bounds = scene.bounds();
     if scene.triangle_count() + scene.sphere_count() > 0 {
         let corner = |p: glam::Vec3| rounded(scene.origin + p.as_dvec3());
-        println!(
+        writeln!(
+            out,
             "bounds     {} to {}",
             corner(bounds.min),
             corner(bounds.max)
-        );
+        )?;
     }
-    println!(
+    writeln!(
+        out,
         "memory     {:.1} MiB",
         scene.memory() as f64 / f64::from(1 << 20)
-    );
+    )?;
     let timeline = path.path.timeline();
     let frames = timeline.frame_count();
-    println!("path       {}", arguments.path.display());
-    println!("frames     {frames} at {} per second", timeline.fps);
-    println!("duration   {} s", timeline.end - timeline.start);
+    writeln!(out, "path       {}", arguments.path.display())?;
+    writeln!(out, "frames     {frames} at {} per second", timeline.fps)?;
+    writeln!(out, "duration   {} s", timeline.end - timeline.start)?;
     let (first, last) = (path.path.camera(0), path.path.camera(frames - 1));
-    println!(
+    writeln!(
+        out,
         "camera     {} to {}",
         rounded(first.position),
         rounded(last.position)
-    );
-    println!("mode       {}", settings.mode.unwrap_or_default());
-    println!("size       {}x{}", resolved.width, resolved.height);
+    )?;
+    writeln!(out, "mode       {}", settings.mode.unwrap_or_default())?;
+    writeln!(out, "size       {}x{}", resolved.width, resolved.height)?;
     warn(&input.warnings);
     let warnings = input.warnings.len();
-    println!("warnings   {warnings}");
+    writeln!(out, "warnings   {warnings}")?;
     Ok(Status::Done)
 }
 

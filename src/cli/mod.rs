@@ -1,9 +1,5 @@
 //! The command line: what the user types, turned into work, progress and an exit status.
-#![expect(
-    clippy::print_stdout,
-    clippy::print_stderr,
-    reason = "talking to the user is its job"
-)]
+#![expect(clippy::print_stderr, reason = "talking to the user is its job")]
 
 mod args;
 mod check;
@@ -13,6 +9,7 @@ mod render;
 
 use args::{Arguments, Command};
 use clap::Parser;
+use std::io;
 use std::process::ExitCode;
 
 /// What to tell the caller, a person or a scheduler.
@@ -33,6 +30,9 @@ pub fn run() -> ExitCode {
         Command::Check(check) => check::run(&check),
     };
     let status = result.unwrap_or_else(|error| {
+        if is_unread(&error) {
+            return Status::Done;
+        }
         eprintln!("flythrough: {error}");
         Status::BadInput
     });
@@ -41,6 +41,12 @@ pub fn run() -> ExitCode {
 
 /// Any error that ends a command before its work.
 type Failure = Box<dyn std::error::Error>;
+
+/// Whether whoever reads the output has read enough, as `head` does.
+fn is_unread(error: &Failure) -> bool {
+    let error = error.downcast_ref::<io::Error>();
+    error.is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}
 
 fn warn(warnings: &[String]) {
     for warning in warnings {

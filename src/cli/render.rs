@@ -4,6 +4,7 @@ use super::{Failure, Status, warn};
 use crate::input::{InputFiles, load_camera_path, load_scene};
 use crate::output::{FrameFolder, FrameFormat, SequenceInfo};
 use crate::render::{render_sequence, tile_count};
+use std::io::Write;
 use std::time::Instant;
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
@@ -80,7 +81,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     }
     let rendered = missing.len() - outcome.failures.len();
     if !arguments.quiet {
-        println!(
+        // Nobody has to read it: the exit status says what matters.
+        let _ = writeln!(
+            std::io::stdout(),
             "{rendered} frames rendered in {} ({}), {} were there, {} failed: {}",
             clock(elapsed),
             rays_per_second(outcome.rays, elapsed),

@@ -8,6 +8,7 @@ use super::{Bvh, NOTHING, Traversal, kernel};
 use crate::geometry::Hit;
 use crate::math::{NO_PRIMITIVE, Ray};
 use glam::Vec3;
+use std::borrow::Borrow;
 
 impl Bvh {
     /// The nearest primitive that each ray meets, sixteen at a time, as [`Bvh::closest`].
@@ -20,8 +21,9 @@ impl Bvh {
         traversal: &mut Traversal,
     ) {
         for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
-            let packet = Packet::of(rays);
-            self.answer_packet::<false>(&packet, traversal, |lane, hit| hits[lane] = some(hit));
+            let (packet, rays) = (Packet::of(rays), rays.iter().enumerate());
+            let say = |lane: usize, hit| hits[lane] = some(hit);
+            self.answer_packet::<false, _>(&packet, rays, traversal, say);
         }
     }
 
@@ -34,8 +36,8 @@ impl Bvh {
         hits: &mut [Option<Hit>],
         traversal: &mut Traversal,
     ) {
-        let rays = rays.iter().copied().enumerate();
-        self.answer_wave::<false>(rays, traversal, |number, hit| hits[number] = some(hit));
+        let rays = rays.iter().enumerate();
+        self.answer_wave::<false, _>(rays, traversal, |number, hit| hits[number] = some(hit));
     }
 
     /// Whether anything lies in the interval of each ray, sixteen at a time, as [`Bvh::occluded`].
@@ -46,10 +48,9 @@ impl Bvh {
         traversal: &mut Traversal,
     ) {
         for (rays, occluded) in rays.chunks(PACKET).zip(occluded.chunks_mut(PACKET)) {
-            let packet = Packet::of(rays);
-            self.answer_packet::<true>(&packet, traversal, |lane, hit| {
-                occluded[lane] = some(hit).is_some();
-            });
+            let (packet, rays) = (Packet::of(rays), rays.iter().enumerate());
+            let say = |lane: usize, hit| occluded[lane] = some(hit).is_some();
+            self.answer_packet::<true, _>(&packet, rays, traversal, say);
         }
     }
 
@@ -62,7 +63,8 @@ impl Bvh {
     pub fn occluded_of_sight(&self, sight: &Sight, traversal: &mut Traversal) -> u32 {
         let mut bits = 0;
         if sight.facing() != 0 {
-            self.answer_packet::<true>(&sight.rays, traversal, |lane, hit| {
+            let packet = &sight.rays;
+            self.answer_packet::<true, _>(packet, packet.numbered(), traversal, |lane, hit| {
                 bits |= u32::from(some(hit).is_some()) << lane;
             });
         }
@@ -73,30 +75,33 @@ impl Bvh {
     /// where there is no tree.
     pub fn occluded_of_sights(&self, sights: &[Sight], traversal: &mut Traversal) -> Vec<u32> {
         let mut bits = vec![0; sights.len()];
-        let rays = sights.iter().enumerate().flat_map(|(number, sight)| {
-            let lanes = sight.rays.lanes();
-            lanes.map(move |lane| (number * PACKET + lane, sight.rays.ray(lane)))
-        });
-        self.answer_wave::<true>(rays, traversal, |place, hit| {
+        // Written out first: a ray that is read whole right after its parts were written waits for them.
+        let mut rays: Vec<(usize, Ray)> = Vec::with_capacity(sights.len() * PACKET);
+        for (number, sight) in sights.iter().enumerate() {
+            let of_sight = sight.rays.numbered();
+            rays.extend(of_sight.map(|(lane, ray)| (number * PACKET + lane, ray)));
+        }
+        let rays = rays.iter().map(|(place, ray)| (*place, ray));
+        self.answer_wave::<true, _>(rays, traversal, |place, hit| {
             bits[place / PACKET] |= u32::from(some(hit).is_some()) << (place % PACKET);
         });
         bits
     }
 
     /// Says what each ray of a packet meets, by its lane; if `ANY`, only whether anything lies in its
-    /// interval.
+    /// interval. `rays` are the same, numbered by their lanes.
     #[inline]
-    fn answer_packet<const ANY: bool>(
+    fn answer_packet<const ANY: bool, R: Borrow<Ray>>(
         &self,
         packet: &Packet,
+        rays: impl Iterator<Item = (usize, R)>,
         traversal: &mut Traversal,
         mut say: impl FnMut(usize, Hit),
     ) {
         if let Some(found) = self.try_packet::<ANY>(packet, traversal) {
             packet.lanes().for_each(|lane| say(lane, found[lane]));
         } else {
-            let rays = packet.lanes().map(|lane| (lane, packet.ray(lane)));
-            self.answer_wave::<ANY>(rays, traversal, say);
+            self.answer_wave::<ANY, _>(rays, traversal, say);
         }
     }
 
@@ -115,9 +120,9 @@ impl Bvh {
     /// As [`Bvh::answer_packet`], of numbered rays that have nothing in common: in packets by their main
     /// axes where there is no tree, otherwise one by one.
     #[inline]
-    fn answer_wave<const ANY: bool>(
+    fn answer_wave<const ANY: bool, R: Borrow<Ray>>(
         &self,
-        rays: impl Iterator<Item = (usize, Ray)>,
+        rays: impl Iterator<Item = (usize, R)>,
         traversal: &mut Traversal,
         mut say: impl FnMut(usize, Hit),
     ) {
@@ -130,10 +135,11 @@ impl Bvh {
                 packet.lanes().for_each(|l| say(numbers[l], found[l]));
             };
             for (number, ray) in rays {
+                let ray = ray.borrow();
                 let axis = permuted_axes(ray.direction)[2];
                 let (packet, numbers) = (&mut packets[axis], &mut numbers[axis]);
                 numbers[packet.used.count_ones() as usize % PACKET] = number;
-                packet.push(&ray);
+                packet.push(ray);
                 if packet.used == ALL {
                     answer(packet, numbers);
                     packet.used = 0;
@@ -147,7 +153,7 @@ impl Bvh {
             }
         } else if ANY {
             for (number, ray) in rays {
-                let is_occluded = self.occluded(&ray, traversal);
+                let is_occluded = self.occluded(ray.borrow(), traversal);
                 let primitive = if is_occluded { 0 } else { NO_PRIMITIVE };
                 say(
                     number,
@@ -159,7 +165,10 @@ impl Bvh {
             }
         } else {
             for (number, ray) in rays {
-                say(number, self.closest(&ray, traversal).unwrap_or(NOTHING));
+                say(
+                    number,
+                    self.closest(ray.borrow(), traversal).unwrap_or(NOTHING),
+                );
             }
         }
     }

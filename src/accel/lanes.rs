@@ -32,12 +32,13 @@ impl Packet {
     /// One to sixteen rays.
     #[inline(always)]
     pub(super) fn of(rays: &[Ray]) -> Packet {
+        // All lanes at once, so that it becomes vector code.
         let mut packet = Packet::EMPTY;
-        for ray in rays {
-            packet.push(ray);
-        }
-        if packet.used != ALL {
-            packet.fill();
+        packet.used = (1 << rays.len()) - 1;
+        let mut ray = &rays[0];
+        for lane in 0..PACKET {
+            ray = rays.get(lane).unwrap_or(ray);
+            packet.set(lane, ray);
         }
         packet
     }
@@ -46,25 +47,25 @@ impl Packet {
     #[inline(always)]
     pub(super) fn push(&mut self, ray: &Ray) {
         let lane = self.used.count_ones() as usize % PACKET;
+        self.set(lane, ray);
+        self.used |= 1 << lane;
+    }
+
+    #[inline(always)]
+    fn set(&mut self, lane: usize, ray: &Ray) {
         for axis in 0..3 {
             self.origin[axis][lane] = ray.origin[axis];
             self.direction[axis][lane] = ray.direction[axis];
         }
         self.t_max[lane] = ray.t_max;
         self.exclude[lane] = ray.exclude;
-        self.used |= 1 << lane;
     }
 
     /// Puts a copy of a ray into each lane that is not used.
     pub(super) fn fill(&mut self) {
-        let first = self.used.trailing_zeros() as usize % PACKET;
-        for lane in (0..PACKET).filter(|lane| self.used >> lane & 1 == 0) {
-            for axis in 0..3 {
-                self.origin[axis][lane] = self.origin[axis][first];
-                self.direction[axis][lane] = self.direction[axis][first];
-            }
-            self.t_max[lane] = self.t_max[first];
-            self.exclude[lane] = self.exclude[first];
+        let first = self.ray(self.used.trailing_zeros() as usize % PACKET);
+        for lane in Lanes(!self.used & ALL) {
+            self.set(lane, &first);
         }
     }
 
@@ -72,6 +73,11 @@ impl Packet {
     #[inline(always)]
     pub(super) fn lanes(&self) -> Lanes {
         Lanes(self.used)
+    }
+
+    /// The rays with their lanes.
+    pub(super) fn numbered(&self) -> impl Iterator<Item = (usize, Ray)> {
+        self.lanes().map(|lane| (lane, self.ray(lane)))
     }
 
     /// One of the rays.

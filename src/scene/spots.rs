@@ -1,5 +1,6 @@
 use super::Scene;
 use crate::accel::Traversal;
+use crate::light::{Falloff, PointLight};
 use crate::material::Only;
 use crate::math::Ray;
 use crate::sampling::{Sequence, uniform_sphere};
@@ -25,23 +26,19 @@ pub struct Spots {
 impl Spots {
     /// Looks around the lights of a scene.
     pub(super) fn find(scene: &Scene) -> Spots {
-        let power = |light: usize| scene.lights[light].intensity.element_sum();
-        let mut shares: Vec<f32> = (0..scene.lights.len())
-            .map(|light| {
-                if unevenness(scene, light) > UNEVEN {
-                    power(light)
-                } else {
-                    0.0
-                }
-            })
-            .collect();
-        let sum: f32 = shares.iter().sum();
+        let power = |light: &PointLight| {
+            if light.falloff == Falloff::InverseSquare && unevenness(scene, light) > UNEVEN {
+                light.intensity.as_dvec3().element_sum()
+            } else {
+                0.0
+            }
+        };
+        let powers: Vec<f64> = scene.lights.iter().map(power).collect();
+        let sum: f64 = powers.iter().sum();
         if sum == 0.0 {
             return Spots::default();
         }
-        for share in &mut shares {
-            *share /= sum;
-        }
+        let shares = powers.iter().map(|power| (power / sum) as f32).collect();
         Spots { shares }
     }
 
@@ -81,13 +78,13 @@ impl Spots {
 
 /// The mean irradiance where rays from a light arrive, over that on a sphere whose radius is their mean
 /// length.
-fn unevenness(scene: &Scene, light: usize) -> f32 {
+fn unevenness(scene: &Scene, light: &PointLight) -> f32 {
     let sequence = Sequence::new(0, 0, 0, 0);
     let mut traversal = Traversal::default();
     let (mut count, mut lengths, mut irradiances) = (0.0, 0.0, 0.0);
     for i in 0..RAYS {
         let [u, v] = sequence.sample_2d(i, 0);
-        let ray = Ray::new(scene.lights[light].position, uniform_sphere(u, v));
+        let ray = Ray::new(light.position, uniform_sphere(u, v));
         let Some(hit) = scene.bvh.closest(&ray, &mut traversal) else {
             continue;
         };
@@ -112,7 +109,6 @@ fn unevenness(scene: &Scene, light: usize) -> f32 {
 mod tests {
     use super::super::{MeshMaterial, SceneBuilder, SourceMesh};
     use super::*;
-    use crate::light::{Falloff, PointLight};
     use crate::material::Material;
     use glam::{DVec3, Vec3, Vec3Swizzles};
 

@@ -1,6 +1,6 @@
 //! Shadow rays: from points of surfaces to one light.
 
-use super::lanes::{ALL, Packet, size};
+use super::lanes::{ALL, Lanes, Packet, size};
 use super::packet::PACKET;
 use super::simd::Floats;
 use crate::math::{NO_PRIMITIVE, Ray};
@@ -90,6 +90,12 @@ impl Sight {
     /// not there.
     pub fn facing(&self) -> u32 {
         self.rays.used
+    }
+
+    /// The lanes of the points that see the target, given those of which something is in the way.
+    #[inline]
+    pub fn clear(&self, occluded: u32) -> impl Iterator<Item = usize> + use<> {
+        Lanes(self.facing() & !occluded)
     }
 
     /// The unit direction from a point that faces the target.

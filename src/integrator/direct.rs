@@ -75,10 +75,7 @@ fn direct_of<F: Features>(
         let is_occluded = occluded(&sights);
         for ((surfaces, sight), occluded) in surfaces.chunks(PACKET).zip(&sights).zip(&is_occluded)
         {
-            let mut lit = sight.facing() & !occluded;
-            while lit != 0 {
-                let lane = lit.trailing_zeros() as usize % PACKET;
-                lit &= lit - 1;
+            for lane in sight.clear(*occluded) {
                 let (number, surface) = surfaces[lane];
                 let distance = sight.distance(lane);
                 let reflected = surface.reflectance.reflect_light::<F>(

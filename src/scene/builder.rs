@@ -1,10 +1,11 @@
-use super::{Scene, Spots, Triangle};
+use super::{Scene, Triangle};
 use crate::accel::Bvh;
 use crate::geometry::{Mesh, Sphere};
 use crate::light::PointLight;
 use crate::material::{FeatureSet, Material};
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
+use std::sync::OnceLock;
 
 /// The materials of a mesh, as numbers of the scene's materials.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -108,7 +109,7 @@ impl SceneBuilder {
         let features = FeatureSet::of(used, mixes);
         let bvh = Bvh::new(&corner_positions, spheres.clone());
         let bounds = bvh.bounds();
-        let mut scene = Scene {
+        let scene = Scene {
             origin,
             lights: lights.collect(),
             ambient: self.ambient,
@@ -120,12 +121,11 @@ impl SceneBuilder {
             materials: self.materials,
             textures: self.textures,
             bvh,
-            spots: Spots::default(),
+            spots: OnceLock::new(),
             magnitude: bounds.max.max(-bounds.min).max_element().max(0.0),
             meshes,
             spheres,
         };
-        scene.spots = Spots::find(&scene);
         (scene, dropped)
     }
 

@@ -20,6 +20,7 @@ use crate::material::{FeatureSet, Material};
 use crate::math::{Aabb, Ray};
 use crate::texture::Texture;
 use glam::{DVec3, Vec3};
+use std::sync::OnceLock;
 
 /// Everything that can be seen, and the lights that show it.
 #[derive(Debug)]
@@ -42,7 +43,8 @@ pub struct Scene {
     /// What its surfaces need: the code that is generic over it relies on that.
     features: FeatureSet,
     bvh: Bvh,
-    spots: Spots,
+    /// Looked for when they are first asked for: ray tracing never does.
+    spots: OnceLock<Spots>,
     /// The largest absolute coordinate of any shape.
     magnitude: f32,
 }
@@ -99,8 +101,9 @@ impl Scene {
     }
 
     /// The lights close to surfaces.
+    #[inline]
     pub fn spots(&self) -> &Spots {
-        &self.spots
+        self.spots.get_or_init(|| Spots::find(self))
     }
 
     /// The box around all shapes, relative to [`Scene::origin`]; empty for an empty scene.

@@ -102,7 +102,7 @@ fn check_scene(random: &mut Random) {
         })
         .collect();
     let mut traversal = Traversal::default();
-    let mut brute = build::build(&triangles, spheres.clone(), Kernel::Portable);
+    let mut brute = Bvh::new(&triangles, spheres.clone(), Kernel::PORTABLE);
     assert_eq!(brute.validate(), Ok(()));
     brute.nodes.clear();
     check_packets(&brute, &rays);
@@ -111,7 +111,7 @@ fn check_scene(random: &mut Random) {
         .map(|ray| brute.closest(ray, &mut traversal))
         .collect();
     for kernel in Kernel::available() {
-        let bvh = build::build(&triangles, spheres.clone(), kernel);
+        let bvh = Bvh::new(&triangles, spheres.clone(), kernel);
         check_packets(&bvh, &rays);
         for (ray, expected) in rays.iter().zip(&expected) {
             assert_eq!(bvh.closest(ray, &mut traversal), *expected, "{ray:?}");

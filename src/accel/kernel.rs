@@ -14,36 +14,57 @@ use super::walk::{walk_closest, walk_occluded};
 use crate::geometry::Hit;
 use crate::math::Ray;
 use glam::Vec3;
+use std::fmt;
 
-/// The instructions that the walks use; results do not depend on it.
+/// Which of a processor's instructions answer ray queries; the answers do not depend on it.
+///
+/// Exists only for instructions that the processor has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kernel {
+pub struct Kernel(Instructions);
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Instructions {
     Portable,
-    /// Exists only on a processor that has AVX2 and FMA: made by [`Kernel::available`] alone.
     #[cfg(target_arch = "x86_64")]
     Avx2,
-    /// Exists only on a processor that has AVX-512 F too.
     #[cfg(target_arch = "x86_64")]
     Avx512,
 }
 
 impl Kernel {
+    /// Plain code, for every processor.
+    pub const PORTABLE: Kernel = Kernel(Instructions::Portable);
+
     /// All that this processor can run, the best last.
-    pub(super) fn available() -> Vec<Kernel> {
-        let mut kernels = vec![Kernel::Portable];
+    pub fn available() -> Vec<Kernel> {
+        let mut kernels = vec![Kernel::PORTABLE];
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            kernels.push(Kernel::Avx2);
+            kernels.push(Kernel(Instructions::Avx2));
             if is_x86_feature_detected!("avx512f") {
-                kernels.push(Kernel::Avx512);
+                kernels.push(Kernel(Instructions::Avx512));
             }
         }
         kernels
     }
+}
 
+impl Default for Kernel {
     /// The best that this processor has.
-    pub(super) fn detect() -> Kernel {
-        Kernel::available().pop().unwrap_or(Kernel::Portable)
+    fn default() -> Kernel {
+        Kernel::available().pop().unwrap_or(Kernel::PORTABLE)
+    }
+}
+
+impl fmt::Display for Kernel {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.pad(match self.0 {
+            Instructions::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx2 => "AVX2",
+            #[cfg(target_arch = "x86_64")]
+            Instructions::Avx512 => "AVX-512",
+        })
     }
 }
 
@@ -108,35 +129,35 @@ compiled_for!(avx2, "avx2,fma,bmi1,lzcnt,popcnt", Avx2, Avx2Pair);
 compiled_for!(avx512, "avx512f,avx2,fma,bmi1,lzcnt,popcnt", Avx2, Avx512);
 
 pub(super) fn closest(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> Option<Hit> {
-    match bvh.kernel {
-        Kernel::Portable => walk_closest::<PortableMachine>(bvh, ray, stack),
+    match bvh.kernel.0 {
+        Instructions::Portable => walk_closest::<PortableMachine>(bvh, ray, stack),
         // SAFETY: these kernels are only chosen where their instructions were detected.
         #[cfg(target_arch = "x86_64")]
-        Kernel::Avx2 => unsafe { avx2::closest(bvh, ray, stack) },
+        Instructions::Avx2 => unsafe { avx2::closest(bvh, ray, stack) },
         #[cfg(target_arch = "x86_64")]
-        Kernel::Avx512 => unsafe { avx512::closest(bvh, ray, stack) },
+        Instructions::Avx512 => unsafe { avx512::closest(bvh, ray, stack) },
     }
 }
 
 pub(super) fn occluded(bvh: &Bvh, ray: &Ray, stack: &mut Stack) -> bool {
-    match bvh.kernel {
-        Kernel::Portable => walk_occluded::<PortableMachine>(bvh, ray, stack),
+    match bvh.kernel.0 {
+        Instructions::Portable => walk_occluded::<PortableMachine>(bvh, ray, stack),
         // SAFETY: these kernels are only chosen where their instructions were detected.
         #[cfg(target_arch = "x86_64")]
-        Kernel::Avx2 => unsafe { avx2::occluded(bvh, ray, stack) },
+        Instructions::Avx2 => unsafe { avx2::occluded(bvh, ray, stack) },
         #[cfg(target_arch = "x86_64")]
-        Kernel::Avx512 => unsafe { avx512::occluded(bvh, ray, stack) },
+        Instructions::Avx512 => unsafe { avx512::occluded(bvh, ray, stack) },
     }
 }
 
 pub(super) fn look(bvh: &Bvh, points: &Points, target: Vec3) -> Sight {
-    match bvh.kernel {
-        Kernel::Portable => sight::look::<Portable<PACKET>>(points, target),
+    match bvh.kernel.0 {
+        Instructions::Portable => sight::look::<Portable<PACKET>>(points, target),
         // SAFETY: these kernels are only chosen where their instructions were detected.
         #[cfg(target_arch = "x86_64")]
-        Kernel::Avx2 => unsafe { avx2::look(points, target) },
+        Instructions::Avx2 => unsafe { avx2::look(points, target) },
         #[cfg(target_arch = "x86_64")]
-        Kernel::Avx512 => unsafe { avx512::look(points, target) },
+        Instructions::Avx512 => unsafe { avx512::look(points, target) },
     }
 }
 
@@ -145,12 +166,12 @@ pub(super) fn packet<const ANY: bool>(
     packet: &Packet,
     stack: &mut PacketStack,
 ) -> Option<[Hit; PACKET]> {
-    match bvh.kernel {
-        Kernel::Portable => walk_packet::<PortableMachine, ANY>(bvh, packet, stack),
+    match bvh.kernel.0 {
+        Instructions::Portable => walk_packet::<PortableMachine, ANY>(bvh, packet, stack),
         // SAFETY: these kernels are only chosen where their instructions were detected.
         #[cfg(target_arch = "x86_64")]
-        Kernel::Avx2 => unsafe { avx2::packet::<ANY>(bvh, packet, stack) },
+        Instructions::Avx2 => unsafe { avx2::packet::<ANY>(bvh, packet, stack) },
         #[cfg(target_arch = "x86_64")]
-        Kernel::Avx512 => unsafe { avx512::packet::<ANY>(bvh, packet, stack) },
+        Instructions::Avx512 => unsafe { avx512::packet::<ANY>(bvh, packet, stack) },
     }
 }

@@ -27,11 +27,11 @@ mod watertight;
 use crate::geometry::{Hit, Sphere};
 use crate::math::{Aabb, NO_PRIMITIVE, Ray};
 use glam::Vec3;
-use kernel::Kernel;
 use node::Node;
 use stack::Stack;
 use triangle_block::TriangleBlock;
 
+pub use kernel::Kernel;
 pub use packet::PACKET;
 pub use sight::{Point, Points, Sight};
 pub use validate::TreeFault;
@@ -70,8 +70,8 @@ impl Bvh {
     /// Arranges `triangles`, numbered from 0, and `spheres`, numbered after them.
     ///
     /// Coordinates are finite; there are fewer than 2^30 of either.
-    pub fn new(triangles: &[[Vec3; 3]], spheres: Vec<Sphere>) -> Bvh {
-        build::build(triangles, spheres, Kernel::detect())
+    pub fn new(triangles: &[[Vec3; 3]], spheres: Vec<Sphere>, kernel: Kernel) -> Bvh {
+        build::build(triangles, spheres, kernel)
     }
 
     /// The box around everything.

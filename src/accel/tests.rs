@@ -49,7 +49,7 @@ fn triangle_oracle(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<(f64, f64)> {
 
 fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
     for kernel in Kernel::available() {
-        let bvh = build::build(triangles, spheres.to_vec(), kernel);
+        let bvh = Bvh::new(triangles, spheres.to_vec(), kernel);
         assert_eq!(bvh.validate(), Ok(()));
         let mut traversal = Traversal::default();
         check_packets(&bvh, rays);
@@ -122,7 +122,7 @@ fn sights_agree_with_single_rays() {
     for (count, triangles) in [(300, &triangles[..]), (9, &triangles[..9])] {
         let bvhs = Kernel::available()
             .into_iter()
-            .map(|k| build::build(triangles, vec![], k));
+            .map(|k| Bvh::new(triangles, vec![], k));
         let bvhs: Vec<Bvh> = bvhs.collect();
         assert_eq!(bvhs[0].nodes.is_empty(), count == 9);
         let mut traversal = Traversal::default();
@@ -250,7 +250,10 @@ fn random_triangles_and_spheres() {
 #[test]
 fn nothing_is_hit_in_an_empty_scene() {
     check(&[], &[], &random_rays(&mut Random(2), 10, 1.0));
-    assert_eq!(Bvh::new(&[], vec![]).bounds(), Aabb::EMPTY);
+    assert_eq!(
+        Bvh::new(&[], vec![], Kernel::default()).bounds(),
+        Aabb::EMPTY
+    );
 }
 
 #[test]
@@ -286,7 +289,7 @@ fn flat_boxes_and_rays_in_their_planes() {
     check(&triangles, &[], &rays);
     // A ray inside the plane of a floor misses it.
     let floor: Vec<_> = triangles[..128].to_vec();
-    let bvh = Bvh::new(&floor, vec![]);
+    let bvh = Bvh::new(&floor, vec![], Kernel::default());
     let mut traversal = Traversal::default();
     for direction in [Vec3::Y, Vec3::Z, Vec3::new(0.0, 1.0, 1.0)] {
         let ray = Ray::new(Vec3::new(0.0, -1.0, -1.0), direction);
@@ -302,7 +305,7 @@ fn a_hundred_thousand_equal_triangles_give_the_lowest_number() {
         Vec3::new(0.0, 1.0, -2.0),
     ];
     let triangles = vec![corners; 100_000];
-    let bvh = Bvh::new(&triangles, vec![]);
+    let bvh = Bvh::new(&triangles, vec![], Kernel::default());
     let mut traversal = Traversal::default();
     let mut ray = Ray::new(Vec3::ZERO, Vec3::NEG_Z);
     assert_eq!(
@@ -351,7 +354,7 @@ fn no_ray_escapes_a_closed_mesh_through_its_edges() {
             .map(|f| f.map(|i| place(vertices[i])))
             .collect();
         for kernel in Kernel::available() {
-            let bvh = build::build(&triangles, vec![], kernel);
+            let bvh = Bvh::new(&triangles, vec![], kernel);
             let mut traversal = Traversal::default();
             let mut random = Random(5);
             for i in 0..20_000 {
@@ -423,7 +426,7 @@ fn validation_finds_faults() {
             [at, at + random.vector(1.0), at + random.vector(1.0)]
         })
         .collect();
-    let sound = || Bvh::new(&triangles, vec![]);
+    let sound = || Bvh::new(&triangles, vec![], Kernel::default());
     assert_eq!(sound().validate(), Ok(()));
 
     let mut small = sound();

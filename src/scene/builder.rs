@@ -1,5 +1,5 @@
 use super::{Scene, Triangle};
-use crate::accel::Bvh;
+use crate::accel::{Bvh, Kernel};
 use crate::geometry::{Mesh, Sphere};
 use crate::light::PointLight;
 use crate::material::{FeatureSet, Material};
@@ -48,6 +48,8 @@ pub struct SceneBuilder {
     pub spheres: Vec<(Sphere, usize)>,
     /// Meshes.
     pub meshes: Vec<SourceMesh>,
+    /// What answers the scene's ray queries.
+    pub kernel: Kernel,
 }
 
 impl SceneBuilder {
@@ -107,7 +109,7 @@ impl SceneBuilder {
         }
         let used = used.into_iter().map(|id| &self.materials[id]);
         let features = FeatureSet::of(used, mixes);
-        let bvh = Bvh::new(&corner_positions, spheres.clone());
+        let bvh = Bvh::new(&corner_positions, spheres.clone(), self.kernel);
         let bounds = bvh.bounds();
         let scene = Scene {
             origin,
@@ -129,23 +131,29 @@ impl SceneBuilder {
         (scene, dropped)
     }
 
-    /// The middle of what is kept in single precision: corners and lights; or else of the spheres.
+    /// Where most of the scene is: the median of all corners and of the ends of spheres, axis by axis.
+    /// Neither a sun nor a far corner nor a globe for a ground takes precision from the rest.
     fn origin(&self) -> DVec3 {
         let corners = self.meshes.iter().flat_map(|m| m.positions.iter().copied());
-        let lights = self.lights.iter().map(|(position, _)| *position);
-        let spheres = self.spheres.iter().map(|(sphere, _)| sphere.center);
-        middle(corners.chain(lights))
-            .or(middle(spheres))
-            .unwrap_or(DVec3::ZERO)
+        let spheres = self.spheres.iter().map(|(sphere, _)| sphere);
+        let ends = spheres.flat_map(|s| [s.center - s.radius, s.center + s.radius]);
+        let points: Vec<DVec3> = corners.chain(ends).collect();
+        DVec3::from_array([0, 1, 2].map(|axis| median(points.iter().map(|p| p[axis]))))
     }
 }
 
-/// The centre of the box around the points.
-fn middle(points: impl Iterator<Item = DVec3>) -> Option<DVec3> {
-    points
-        .map(|p| (p, p))
-        .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-        .map(|(min, max)| 0.5 * min + 0.5 * max)
+/// The middle of some numbers, between the two in the middle of an even count of them; 0 of none.
+fn median(numbers: impl Iterator<Item = f64>) -> f64 {
+    let mut numbers: Vec<f64> = numbers.collect();
+    if numbers.is_empty() {
+        return 0.0;
+    }
+    let half = numbers.len() / 2;
+    let is_even = numbers.len() == 2 * half;
+    let (below, upper, _) = numbers.select_nth_unstable_by(half, f64::total_cmp);
+    let below = below.iter().copied().max_by(f64::total_cmp);
+    let lower = below.filter(|_| is_even).unwrap_or(*upper);
+    0.5 * lower + 0.5 * *upper
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 //!
 //! What the tracer may rely on: every number is finite; every material and texture number exists;
 //! no triangle is without area; normals are of unit length or zero; coordinates are relative to
-//! [`Scene::origin`], near the middle of the scene, so that single precision is finest where the
+//! [`Scene::origin`], in the midst of the scene, so that single precision is finest where the
 //! scene is.
 
 mod builder;

@@ -9,7 +9,7 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::accel::{Bvh, Traversal};
+use flythrough::accel::{Bvh, Kernel, Traversal};
 use flythrough::math::Ray;
 use flythrough::sampling::Sequence;
 use glam::Vec3;
@@ -24,7 +24,7 @@ fn main() {
     for exponent in 3..=7 {
         let triangles = scene(10_usize.pow(exponent));
         let start = Instant::now();
-        let bvh = Bvh::new(&triangles, vec![]);
+        let bvh = Bvh::new(&triangles, vec![], Kernel::default());
         let build = start.elapsed().as_secs_f64();
         let mut traversal = Traversal::default();
         let seconds = (0..3).fold(f64::INFINITY, |least, _| {

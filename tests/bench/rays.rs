@@ -16,7 +16,7 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::accel::{Bvh, PACKET, Traversal};
+use flythrough::accel::{Bvh, Kernel, PACKET, Traversal};
 use flythrough::math::Ray;
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -87,8 +87,8 @@ fn measure(scene: &Path, embree: &Embree) {
     let triangles: Vec<[Vec3; 3]> = records::<9>(scene)
         .map(|c| [0, 3, 6].map(|i| Vec3::from_slice(&c[i..])))
         .collect();
-    let mut bvh = Bvh::new(&[], vec![]);
-    let build = 1e3 * best(|| bvh = Bvh::new(&triangles, vec![]));
+    let mut bvh = Bvh::new(&[], vec![], Kernel::default());
+    let build = 1e3 * best(|| bvh = Bvh::new(&triangles, vec![], Kernel::default()));
     assert_eq!(bvh.validate(), Ok(()));
     let bytes = bvh.memory() as f64 / triangles.len() as f64;
     let theirs = embree.get(&(name.clone(), "build".into()));

@@ -4,10 +4,9 @@
 mod reference;
 mod split;
 
-use super::kernel::Kernel;
 use super::node::{Child, Node};
 use super::triangle_block::TriangleBlock;
-use super::{Bvh, MAX_DEPTH, WIDTH};
+use super::{Bvh, Kernel, MAX_DEPTH, WIDTH};
 use crate::geometry::Sphere;
 use crate::math::Aabb;
 use glam::Vec3;

@@ -46,7 +46,7 @@ impl Scene {
         } else {
             -point.shading_normal
         };
-        let position = point.position.as_vec3();
+        let position = round_back(point.position, ray, hit.t);
         let magnitude = ray.origin.abs().max_element().max(self.magnitude);
         let is_convex = point.convex[usize::from(!outside)];
         Surface {
@@ -116,6 +116,26 @@ impl Scene {
             convex: [true, false],
         }
     }
+}
+
+/// A point that a ray sees, rounded to single precision towards the ray's start and some roundings nearer
+/// to it: all between the two is free, but just behind the point there may be a wall, as in a corner.
+#[inline]
+fn round_back(point: DVec3, ray: &Ray, t: f64) -> Vec3 {
+    const ROUNDINGS: f64 = 4.0 * f32::EPSILON as f64;
+    let direction = ray.direction.as_dvec3();
+    let back = (ROUNDINGS * point.abs().max_element()).min(0.5 * t);
+    let point = point - back * direction;
+    let nearest = point.as_vec3();
+    let beyond = (nearest.as_dvec3() - point) * direction;
+    let ulp = f32::EPSILON * nearest.abs();
+    Vec3::from_array([0, 1, 2].map(|axis| {
+        if beyond[axis] > 0.0 {
+            nearest[axis] - ulp[axis].copysign(ray.direction[axis])
+        } else {
+            nearest[axis]
+        }
+    }))
 }
 
 /// How far a point may be from its surface along the normal, doubled.

@@ -17,7 +17,7 @@
 //! | 3 | [`scene`] | how light is gathered, files |
 //! | 4 | [`integrator`] | pixels, frames, time |
 //! | 5 | [`render`] | file formats, folders, terminals |
-//! | 6 | [`input`], [`output`] | each other, the command line |
+//! | 6 | [`input`], [`output`], [`selftest`] | each other, the command line |
 //! | 7 | [`cli`] | the mathematics |
 
 pub mod accel;
@@ -34,4 +34,5 @@ pub mod output;
 pub mod render;
 pub mod sampling;
 pub mod scene;
+pub mod selftest;
 pub mod texture;

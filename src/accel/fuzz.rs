@@ -2,8 +2,9 @@
 //! finds.
 #![allow(clippy::print_stdout, reason = "the seed of a failure is shown")]
 
-use super::tests::{Random, check_packets, sphere};
+use super::tests::{check_packets, sphere};
 use super::*;
+use crate::selftest::Random;
 
 /// For as many seconds as FUZZ_SECONDS says. Run with `--ignored`.
 #[test]

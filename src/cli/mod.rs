@@ -6,6 +6,7 @@ mod check;
 mod frames;
 mod progress;
 mod render;
+mod selftest;
 
 use args::{Arguments, Command};
 use clap::Parser;
@@ -17,6 +18,8 @@ use std::process::ExitCode;
 enum Status {
     /// All that was asked for is there.
     Done = 0,
+    /// This machine or this build of the program does not get known answers right.
+    SelfTestFailed = 1,
     /// The input or the command is wrong: trying again cannot help.
     BadInput = 2,
     /// Some frames could not be made: trying again may help.
@@ -28,6 +31,7 @@ pub fn run() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Render(render) => render::run(&render),
         Command::Check(check) => check::run(&check),
+        Command::Selftest => selftest::run(),
     };
     let status = result.unwrap_or_else(|error| {
         if is_unread(&error) {

@@ -1,0 +1,133 @@
+use super::oracle::disagreement;
+use super::random::Random;
+use crate::accel::{Bvh, Kernel, Traversal};
+use crate::geometry::Sphere;
+use crate::math::Ray;
+use glam::{DMat3, Vec3};
+use rayon::prelude::*;
+
+/// How many rays find something else than [`disagreement`]'s test of all shapes.
+fn wrong_hits(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray], kernel: Kernel) -> f64 {
+    let bvh = Bvh::new(triangles, spheres.to_vec(), kernel);
+    let wrong = rays.par_chunks(1000).map(|rays| {
+        let mut hits = vec![None; rays.len()];
+        bvh.closest_of_wave(rays, &mut hits, &mut Traversal::default());
+        let differs =
+            |(ray, hit): &(&Ray, Option<_>)| disagreement(triangles, spheres, ray, *hit).is_some();
+        rays.iter().zip(hits).filter(differs).count()
+    });
+    (wrong.sum::<usize>() + usize::from(bvh.validate().is_err())) as f64
+}
+
+fn random_triangles(random: &mut Random, count: usize, spread: f32, size: f32) -> Vec<[Vec3; 3]> {
+    let mut triangle = || {
+        let at = random.vector(spread);
+        [at, at + random.vector(size), at + random.vector(size)]
+    };
+    (0..count).map(|_| triangle()).collect()
+}
+
+fn random_rays(random: &mut Random, count: usize, size: f32) -> Vec<Ray> {
+    let mut ray = || Ray::new(random.vector(size), random.vector(1.0));
+    (0..count).map(|_| ray()).collect()
+}
+
+fn random_spheres(random: &mut Random, count: usize, spread: f32) -> Vec<Sphere> {
+    let mut sphere = || Sphere {
+        center: random.vector(spread).as_dvec3(),
+        radius: f64::from(random.unit()) + 0.01,
+        rotation: DMat3::IDENTITY,
+    };
+    (0..count).map(|_| sphere()).collect()
+}
+
+/// Two scenes of random triangles and spheres, 500,000 rays each.
+pub(super) fn brute_force(kernel: Kernel) -> f64 {
+    let mut random = Random(1);
+    let mut wrong = 0.0;
+    for (triangle_count, sphere_count) in [(100, 10), (40, 40)] {
+        let triangles = random_triangles(&mut random, triangle_count, 10.0, 3.0);
+        let spheres = random_spheres(&mut random, sphere_count, 10.0);
+        let rays = random_rays(&mut random, 500_000, 12.0);
+        wrong += wrong_hits(&triangles, &spheres, &rays, kernel);
+    }
+    wrong
+}
+
+/// A floor at y = 0, a wall and a side of 8 x 8 squares, whose boxes have no thickness, and rays along
+/// the axes: from anywhere, and from where box faces and edges of triangles are.
+pub(super) fn along_axes(kernel: Kernel) -> f64 {
+    let mut triangles = Vec::new();
+    for axis in 0..3 {
+        for i in 0..64 {
+            let at = |x: usize, y: usize| {
+                let mut p = [0.0; 3];
+                p[(axis + 1) % 3] = (i % 8 + x) as f32;
+                p[(axis + 2) % 3] = (i / 8 + y) as f32;
+                Vec3::from_array(p)
+            };
+            triangles.push([at(0, 0), at(1, 0), at(1, 1)]);
+            triangles.push([at(0, 0), at(1, 1), at(0, 1)]);
+        }
+    }
+    let mut random = Random(3);
+    let mut rays = Vec::new();
+    for axis in 0..3 {
+        for small in [0.0, -0.0, 1e-38, -1e-38, 1e-45, -1e-45] {
+            for sign in [1.0, -1.0] {
+                let mut direction = Vec3::splat(small);
+                direction[axis] = sign;
+                for _ in 0..100 {
+                    let origin = (random.vector(4.0) + 4.0).max(Vec3::splat(0.1));
+                    let on_corner = origin.round();
+                    let on_face = Vec3::new(on_corner.x, origin.y, origin.z);
+                    let starts = [origin, on_corner, on_face, on_corner + 0.5 * Vec3::Y];
+                    rays.extend(starts.map(|start| Ray::new(start, direction)));
+                }
+            }
+        }
+    }
+    wrong_hits(&triangles, &[], &rays, kernel)
+}
+
+/// No tree, or hardly one.
+pub(super) fn small_scenes(kernel: Kernel) -> f64 {
+    let mut random = Random(2);
+    let mut wrong = 0.0;
+    for (triangle_count, sphere_count) in [
+        (0, 0),
+        (1, 0),
+        (0, 1),
+        (2, 0),
+        (2, 2),
+        (9, 0),
+        (17, 1),
+        (0, 3),
+    ] {
+        let triangles = random_triangles(&mut random, triangle_count, 3.0, 3.0);
+        let spheres = random_spheres(&mut random, sphere_count, 3.0);
+        let rays = random_rays(&mut random, 20_000, 5.0);
+        wrong += wrong_hits(&triangles, &spheres, &rays, kernel);
+    }
+    wrong
+}
+
+/// Triangles that no plane can part, and ones of very different sizes.
+pub(super) fn deep_trees(kernel: Kernel) -> f64 {
+    let mut random = Random(4);
+    let around_one_point: Vec<_> = (0..100_000)
+        .map(|i| {
+            let (a, b) = (random.vector(1.0), random.vector(1.0));
+            let size = 1.0 + i as f32 * 1e-4;
+            [a * size, b * size, -(a + b) * size]
+        })
+        .collect();
+    let mut mixed = vec![[
+        Vec3::new(-1e6, 0.0, -1e6),
+        Vec3::new(1e6, 0.0, -1e6),
+        Vec3::new(0.0, 0.0, 1e6),
+    ]];
+    mixed.extend(random_triangles(&mut random, 20_000, 1.0, 0.01));
+    let rays = random_rays(&mut random, 300, 2.0);
+    wrong_hits(&around_one_point, &[], &rays, kernel) + wrong_hits(&mixed, &[], &rays, kernel)
+}

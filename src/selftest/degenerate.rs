@@ -1,0 +1,191 @@
+use super::random::Random;
+use super::shapes::{Polyhedron, first_hits, matte, sine};
+use crate::accel::{Bvh, Kernel, Traversal};
+use crate::geometry::{Mesh, Transform};
+use crate::material::Only;
+use crate::math::Ray;
+use crate::scene::SceneBuilder;
+use glam::{DVec3, Vec3};
+
+/// Rays that lie in a triangle's plane, some along its edges, all numbers whole and so exact; and rays to
+/// triangles whose corners coincide or lie in line: none of them meets anything.
+pub(super) fn edge_on(kernel: Kernel) -> f64 {
+    let mut random = Random(2);
+    let mut traversal = Traversal::default();
+    let mut hits = 0;
+    for _ in 0..2000 {
+        let mut whole = || DVec3::from_array([0; 3].map(|_| random.whole(9) as f64));
+        let (corner, u, v) = (whole(), whole(), whole());
+        let flat = Bvh::new(
+            &[[corner, corner + u, corner + v].map(|p| p.as_vec3())],
+            vec![],
+            kernel,
+        );
+        let line = Bvh::new(
+            &[[corner, corner + u, corner + 3.0 * u].map(|p| p.as_vec3())],
+            vec![],
+            kernel,
+        );
+        for (i, j) in [(1, 0), (0, 1), (-1, 1), (1, 1), (2, -5), (-3, 2)] {
+            let direction = f64::from(i) * u + f64::from(j) * v;
+            if direction == DVec3::ZERO {
+                continue;
+            }
+            for bvh in [&flat, &line] {
+                for start in [
+                    corner,
+                    corner - 2.0 * direction,
+                    corner + u - 3.0 * direction,
+                ] {
+                    let ray = Ray::new(start.as_vec3(), direction.as_vec3());
+                    hits += usize::from(bvh.closest(&ray, &mut traversal).is_some());
+                }
+            }
+        }
+        for _ in 0..10 {
+            let start = corner + 20.0 * random.point();
+            let target = corner + f64::from(3.0 * random.unit()) * u;
+            let ray = Ray::new(start.as_vec3(), (target - start).as_vec3());
+            hits += usize::from(line.closest(&ray, &mut traversal).is_some());
+        }
+    }
+    hits as f64
+}
+
+/// A square that a sliver of 1 to 1e-7 crosses, straight or turned, large or small: rays at it and just
+/// beside it meet something.
+pub(super) fn slivers(kernel: Kernel) -> f64 {
+    let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+    let strip = Polyhedron {
+        corners: vec![
+            at(0.0, 0.0),
+            at(1.0, 0.0),
+            at(1.0, 1e-7),
+            at(1.0, 0.5),
+            at(0.0, 0.5),
+            at(0.0, -0.5),
+            at(1.0, -0.5),
+        ],
+        faces: vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [5, 6, 1], [5, 1, 0]],
+    };
+    let mut random = Random(3);
+    let mut traversal = Traversal::default();
+    let mut misses = 0;
+    for scale in [1e-6, 1.0, 1e6] {
+        for angle in [0.0, 0.7] {
+            let turn = Transform::new(DVec3::splat(scale), DVec3::splat(angle), DVec3::ZERO);
+            let bvh = Bvh::new(&strip.moved(|p| turn.point(p)).triangles(), vec![], kernel);
+            for i in 0..5000 {
+                let width = [1e-8, 1e-7, 1e-6, 0.4][i % 4];
+                let target = at(
+                    0.01 + 0.98 * f64::from(random.unit()),
+                    width * random.point().y,
+                );
+                let start = target + random.point() + 1.5 * DVec3::Z;
+                let [start, target] = [start, target].map(|p| turn.point(p).as_vec3());
+                let ray = Ray::new(start, target - start);
+                misses += usize::from(bvh.closest(&ray, &mut traversal).is_none());
+            }
+        }
+    }
+    misses as f64
+}
+
+/// Long triangles with corners in whole numbers, whose exact normals are whole numbers, too. Single
+/// precision writes a unit vector to 6e-8 in each coordinate.
+pub(super) fn sliver_normals(_: Kernel) -> f64 {
+    let mut random = Random(4);
+    let mut worst: f64 = 0.0;
+    for _ in 0..20_000 {
+        let mut whole = |size: i64| [0; 3].map(|_| random.whole(size));
+        let (a, long, short) = (whole(1 << 20), whole(1 << 22), whole(2));
+        let b: [i64; 3] = std::array::from_fn(|i| a[i] + long[i]);
+        let c: [i64; 3] = std::array::from_fn(|i| a[i] + long[i] / 2 + short[i]);
+        let [u, v] = [b, c].map(|p| -> [i128; 3] { std::array::from_fn(|i| (p[i] - a[i]).into()) });
+        let exact =
+            DVec3::from_array([0, 1, 2].map(|i| {
+                (u[(i + 1) % 3] * v[(i + 2) % 3] - u[(i + 2) % 3] * v[(i + 1) % 3]) as f64
+            }));
+        let mesh = Mesh {
+            positions: [a, b, c]
+                .map(|p| Vec3::from_array(p.map(|x| x as f32)))
+                .to_vec(),
+            ..Mesh::default()
+        };
+        worst = worst.max(match mesh.geometric_normal([0, 1, 2]) {
+            Some(normal) => sine(normal, exact),
+            None => f64::from(u8::from(exact != DVec3::ZERO)),
+        });
+    }
+    worst
+}
+
+/// Of a hundred thousand equal triangles, their corners in any order, the first is hit.
+pub(super) fn coincident(kernel: Kernel) -> f64 {
+    let [a, b, c] = [
+        Vec3::new(-1.1, -0.9, -2.3),
+        Vec3::new(1.2, -1.0, -1.9),
+        Vec3::new(0.1, 1.0, -2.0),
+    ];
+    let orders = [[a, b, c], [b, c, a], [c, b, a], [a, c, b]];
+    let triangles: Vec<_> = (0..100_000).map(|i| orders[i % 4]).collect();
+    let bvh = Bvh::new(&triangles, vec![], kernel);
+    let mut traversal = Traversal::default();
+    let mut random = Random(6);
+    let mut others = 0;
+    for _ in 0..10 {
+        let (u, v) = (0.5 * random.unit(), 0.5 * random.unit());
+        let target = a + u * (b - a) + v * (c - a);
+        let mut ray = Ray::new(Vec3::ZERO, target);
+        for excluded in [None, Some(0)] {
+            ray.exclude = excluded.unwrap_or(ray.exclude);
+            let expected = excluded.map_or(0, |number| number + 1);
+            let first = bvh.closest(&ray, &mut traversal).map(|hit| hit.primitive);
+            others += usize::from(first != Some(expected));
+        }
+    }
+    others as f64
+}
+
+/// Triangles without area are left out and counted, others are kept, be they ever so small; a corner
+/// without a normal has the triangle's.
+pub(super) fn without_area(kernel: Kernel) -> f64 {
+    let mesh = Polyhedron {
+        corners: vec![
+            DVec3::ZERO,
+            DVec3::X,
+            DVec3::Y,
+            0.5 * DVec3::X,
+            1e-25 * DVec3::X,
+            1e-25 * DVec3::Y,
+        ],
+        faces: vec![
+            [0, 1, 2],
+            [0, 0, 2],
+            [0, 1, 3],
+            [2, 2, 2],
+            [0, 4, 5],
+            [1, 2, 1],
+        ],
+    };
+    let mut source = mesh.mesh(0);
+    source.normals = vec![Vec3::ZERO; source.positions.len()];
+    let builder = SceneBuilder {
+        materials: vec![matte(Vec3::ONE)],
+        meshes: vec![source],
+        kernel,
+        ..SceneBuilder::default()
+    };
+    let (scene, dropped) = builder.build();
+    let mut wrong = dropped.abs_diff(4) + scene.triangle_count().abs_diff(2);
+    let origin = (DVec3::new(0.2, 0.2, 1.0) - scene.origin).as_vec3();
+    let ray = Ray::new(origin, Vec3::NEG_Z);
+    match first_hits(&scene, &[ray])[0] {
+        Some(hit) => {
+            let normal = scene.surface::<Only<0>>(&ray, &hit).point.shading_normal;
+            wrong += usize::from(normal != Vec3::Z);
+        }
+        None => wrong += 1,
+    }
+    wrong as f64
+}

@@ -1,0 +1,296 @@
+use super::oracle::nearest_triangle;
+use super::random::Random;
+use super::shapes::{Polyhedron, lamp, matte, perfect_mirror};
+use crate::accel::{Kernel, Traversal};
+use crate::geometry::Sphere;
+use crate::integrator::{CameraSample, Integrator};
+use crate::light::{Falloff, PointLight};
+use crate::material::Material;
+use crate::math::Ray;
+use crate::sampling::Sequence;
+use crate::scene::{Scene, SceneBuilder, SourceMesh};
+use glam::{DMat3, DVec3, Vec3};
+use std::f64::consts::PI;
+
+const DIRECT: Integrator = Integrator::RayTracing { bounces: 0 };
+
+/// The light that comes to `eye` along `direction`.
+fn seen(scene: &Scene, integrator: &Integrator, eye: DVec3, direction: DVec3) -> Vec3 {
+    let sample = CameraSample {
+        ray: Ray::new(
+            (eye - scene.origin).as_vec3(),
+            direction.normalize().as_vec3(),
+        ),
+        sequence: Sequence::new(0, 0, 0, 0),
+        index: 0,
+    };
+    let mut radiance = [Vec3::ZERO];
+    integrator.radiance(scene, &[sample], &mut Traversal::default(), &mut radiance);
+    radiance[0]
+}
+
+/// Eighty triangles with the normals of a sphere, lit from the side. Convex, so nothing shades anything:
+/// a point has the light of its interpolated normal where the lamp is before its triangle, and none where
+/// it is behind it.
+pub(super) fn terminator(kernel: Kernel) -> f64 {
+    let ball = Polyhedron::icosphere(1);
+    let smooth = SourceMesh {
+        normals: ball.corners.iter().map(|corner| corner.as_vec3()).collect(),
+        ..ball.mesh(0)
+    };
+    let position = DVec3::new(30.0, 8.0, 2.0);
+    // 1 where the light comes straight from 30 m.
+    let intensity = PI * 900.0;
+    let builder = SceneBuilder {
+        materials: vec![matte(Vec3::ONE)],
+        meshes: vec![smooth],
+        lights: vec![lamp(position, intensity as f32)],
+        kernel,
+        ..SceneBuilder::default()
+    };
+    let (scene, _) = builder.build();
+    let triangles = ball.triangles();
+    let mut worst: f64 = 0.0;
+    for i in 0..100 * 100 {
+        let film = DVec3::new(f64::from(i % 100) - 49.5, f64::from(i / 100) - 49.5, 0.0) / 45.0;
+        let (eye, direction) = (DVec3::Z * 5.0, film - DVec3::Z * 5.0);
+        let ray = Ray::new(eye.as_vec3(), direction.normalize().as_vec3());
+        let nearest = nearest_triangle(&ray, &triangles);
+        let Some((number, t, [u, v])) = nearest else {
+            continue;
+        };
+        let [a, b, c] = ball.faces[number].map(|corner| ball.corners[corner as usize]);
+        let to_lamp = position - ray.at(t);
+        let before = (b - a).cross(c - a).normalize().dot(to_lamp.normalize());
+        let normal = ((1.0 - u - v) * a + u * b + v * c).normalize();
+        let cos = normal.dot(to_lamp.normalize());
+        if u.min(v).min(1.0 - u - v) < 1e-4 || before.abs() < 1e-5 {
+            continue;
+        }
+        let is_lit = before > 0.0 && cos > 0.0;
+        let exact = if is_lit {
+            cos * intensity / (PI * to_lamp.length_squared())
+        } else {
+            0.0
+        };
+        let found = seen(&scene, &DIRECT, eye, direction).x;
+        worst = worst.max((f64::from(found) - exact).abs());
+    }
+    worst
+}
+
+/// A ball of 0.1 m between perfect mirrors at x = -1 and x = 1. Its n-th image stands at 2 n + 0.3 (-1)^n
+/// and is seen after |n| reflections: rays a ten-thousandth inside its outline see it, others see the end
+/// of their path or leave the corridor, which both have the light 1.
+pub(super) fn mirror_corridor(kernel: Kernel) -> f64 {
+    let wall = |x: f64| {
+        Polyhedron::quad(
+            DVec3::new(x, -50.0, -50.0),
+            100.0 * DVec3::Y,
+            100.0 * DVec3::Z,
+        )
+    };
+    let ball = Sphere {
+        center: DVec3::new(0.3, 0.0, -2.0),
+        radius: 0.1,
+        rotation: DMat3::IDENTITY,
+    };
+    let builder = SceneBuilder {
+        ambient: Vec3::splat(1.0 / 0.3),
+        background: Vec3::ONE,
+        materials: vec![perfect_mirror(), matte(Vec3::splat(0.25))],
+        meshes: vec![wall(-1.0).mesh(0), wall(1.0).mesh(0)],
+        spheres: vec![(ball, 1)],
+        kernel,
+        ..SceneBuilder::default()
+    };
+    let (scene, _) = builder.build();
+    let mut random = Random(12);
+    let mut worst: f64 = 0.0;
+    for n in -4..=4_i32 {
+        let x = 2.0 * f64::from(n) + if n % 2 == 0 { 0.3 } else { -0.3 };
+        let image = DVec3::new(x, 0.0, -2.0);
+        for bounces in 0..=4 {
+            for i in 0..200 {
+                let aside = image.cross(random.point()).normalize();
+                let share = [0.9999, 1.0001][i % 2];
+                // The tangent of the angle under which the outline is seen.
+                let sine = 0.1 / image.length();
+                let tangent = sine / (1.0 - sine * sine).sqrt();
+                let direction = image.normalize() + share * tangent * aside;
+                let is_seen = share < 1.0 && n.unsigned_abs() <= bounces;
+                let exact = if is_seen { 0.25 } else { 1.0 };
+                let found = seen(
+                    &scene,
+                    &Integrator::RayTracing { bounces },
+                    DVec3::ZERO,
+                    direction,
+                );
+                worst = worst.max((f64::from(found.x) - exact).abs());
+            }
+        }
+    }
+    worst
+}
+
+/// A perfect mirror close above a bright floor, seen at 89.99 degrees from its normal: it shows the
+/// background, all of it, and nothing of the floor.
+pub(super) fn grazing_mirror(kernel: Kernel) -> f64 {
+    let square = |y: f64| {
+        Polyhedron::quad(
+            DVec3::new(-100.0, y, 100.0),
+            200.0 * DVec3::X,
+            -200.0 * DVec3::Z,
+        )
+    };
+    let builder = SceneBuilder {
+        ambient: Vec3::splat(3.0),
+        background: Vec3::new(0.25, 0.5, 0.75),
+        materials: vec![perfect_mirror(), matte(Vec3::ONE)],
+        meshes: vec![square(0.0).mesh(0), square(-1e-3).mesh(1)],
+        kernel,
+        ..SceneBuilder::default()
+    };
+    let (scene, _) = builder.build();
+    let mut random = Random(13);
+    let mut worst: f64 = 0.0;
+    for i in 0..10_000 {
+        let height = [1e-4, 1e-3, 1e-2][i % 3];
+        let (sin, cos) = (2.0 * PI * f64::from(random.unit())).sin_cos();
+        let direction = DVec3::new(cos, -0.01_f64.to_radians().tan(), sin);
+        let found = seen(
+            &scene,
+            &Integrator::RayTracing { bounces: 4 },
+            height * DVec3::Y,
+            direction,
+        );
+        worst = worst.max(
+            (found - Vec3::new(0.25, 0.5, 0.75))
+                .abs()
+                .max_element()
+                .into(),
+        );
+    }
+    worst
+}
+
+/// A lamp over the middle of a floor, at d m, of intensity pi d^2: it lights albedo 1/2 with 1/2, if the
+/// square of d is a number above 0 in single precision. Nearer than that, and at the point itself, its
+/// light may be missing, but not infinite. One of constant light does so at any distance but 0. A lamp in
+/// the plane of the floor lights nothing, one in the plane of the ceiling the floor.
+pub(super) fn near_and_far(kernel: Kernel) -> f64 {
+    let square =
+        |y: f64| Polyhedron::quad(DVec3::new(-2.0, y, 2.0), 4.0 * DVec3::X, -4.0 * DVec3::Z);
+    let lit = |position: DVec3, intensity: f64, falloff: Falloff, ceiling: Option<f64>| {
+        let light = PointLight {
+            position: Vec3::ZERO,
+            intensity: Vec3::splat(intensity as f32),
+            falloff,
+        };
+        let builder = SceneBuilder {
+            materials: vec![matte(Vec3::splat(0.5))],
+            meshes: [Some(0.0), ceiling]
+                .into_iter()
+                .flatten()
+                .map(|y| square(y).mesh(0))
+                .collect(),
+            lights: vec![(position, light)],
+            kernel,
+            ..SceneBuilder::default()
+        };
+        let (scene, _) = builder.build();
+        f64::from(seen(&scene, &DIRECT, DVec3::Y, DVec3::NEG_Y).x)
+    };
+    let mut worst: f64 = 0.0;
+    for exponent in -40..=15 {
+        let d = 10.0_f64.powi(exponent);
+        let squared = lit(DVec3::Y * d, PI * d * d, Falloff::InverseSquare, None);
+        let constant = lit(DVec3::Y * d, 1.0, Falloff::Constant, None);
+        let error = |light: f64| (light / 0.5 - 1.0).abs();
+        worst = worst.max(if exponent >= -15 {
+            error(squared).max(error(constant))
+        } else if squared.is_finite() && constant.is_finite() {
+            0.0
+        } else {
+            f64::INFINITY
+        });
+    }
+    let in_the_floor = lit(0.5 * DVec3::X, 1.0, Falloff::InverseSquare, None);
+    let at_the_point = lit(DVec3::ZERO, 1.0, Falloff::InverseSquare, None);
+    let in_the_ceiling = lit(2.0 * DVec3::Y, 4.0 * PI, Falloff::InverseSquare, Some(2.0));
+    worst
+        .max(in_the_floor)
+        .max(at_the_point)
+        .max((in_the_ceiling - 0.5).abs())
+}
+
+fn gathered(bounces: u32) -> Integrator {
+    Integrator::MonteCarlo {
+        bounces,
+        splits: vec![4, 2],
+    }
+}
+
+/// In a sphere of radius 1 and albedo 1/2 with a lamp of intensity pi in its middle every point has 1/2
+/// directly, and 2^-(k + 1) by the k-th bounce, whichever way a path goes.
+pub(super) fn sphere_interior(kernel: Kernel) -> f64 {
+    let ball = Sphere {
+        center: DVec3::new(5.0, -2.0, 7.0),
+        radius: 1.0,
+        rotation: DMat3::IDENTITY,
+    };
+    let builder = SceneBuilder {
+        materials: vec![matte(Vec3::splat(0.5))],
+        spheres: vec![(ball, 0)],
+        lights: vec![lamp(ball.center, PI as f32)],
+        kernel,
+        ..SceneBuilder::default()
+    };
+    let (scene, _) = builder.build();
+    let mut random = Random(14);
+    let mut worst: f64 = 0.0;
+    for bounces in [0, 1, 2, 3, 4, 20] {
+        let exact = 1.0 - 0.5_f64.powi(bounces as i32 + 1);
+        for _ in 0..100 {
+            let eye = ball.center + 0.5 * random.point();
+            let found = seen(&scene, &gathered(bounces), eye, random.point());
+            worst = worst.max((f64::from(found.x) - exact).abs());
+        }
+    }
+    worst
+}
+
+/// Under a sky of 1 a ball of albedo a has the light a, a mirror's 1, and a mixture its share of both;
+/// never more than 1.
+pub(super) fn furnace(kernel: Kernel) -> f64 {
+    let mut random = Random(15);
+    let mut worst: f64 = 0.0;
+    for albedo in [0.0_f32, 0.3, 0.8, 1.0] {
+        for share in [0.0_f32, 0.5, 1.0] {
+            let ball = Sphere {
+                center: DVec3::ZERO,
+                radius: 1.0,
+                rotation: DMat3::IDENTITY,
+            };
+            let material = Material {
+                reflective: Vec3::splat(share),
+                ..matte(Vec3::splat(albedo))
+            };
+            let builder = SceneBuilder {
+                background: Vec3::ONE,
+                materials: vec![material],
+                spheres: vec![(ball, 0)],
+                kernel,
+                ..SceneBuilder::default()
+            };
+            let (scene, _) = builder.build();
+            let exact = f64::from((1.0 - share) * albedo + share);
+            for _ in 0..100 {
+                let eye = 5.0 * random.point().normalize_or(DVec3::X);
+                let found = seen(&scene, &gathered(2), eye, 0.5 * random.point() - eye);
+                worst = worst.max((f64::from(found.x) - exact).abs());
+            }
+        }
+    }
+    worst
+}

@@ -1,0 +1,40 @@
+use glam::{DVec3, Vec3};
+
+/// A small generator, so that every run does the same: the upper bits of a linear congruential
+/// sequence (constants of D. Knuth's MMIX).
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        self.0
+    }
+
+    /// A number in [0, 1).
+    pub(crate) fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1 << 24) as f32
+    }
+
+    /// A point of the box from -`size` to `size`.
+    pub(crate) fn vector(&mut self, size: f32) -> Vec3 {
+        Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0 * size
+    }
+
+    /// As [`Random::vector`], of side 1.
+    pub(super) fn point(&mut self) -> DVec3 {
+        self.vector(1.0).as_dvec3()
+    }
+
+    /// A whole number below `count`.
+    pub(super) fn below(&mut self, count: usize) -> usize {
+        (((self.next() >> 32) * count as u64) >> 32) as usize
+    }
+
+    /// A whole number from -`size` to `size`.
+    pub(super) fn whole(&mut self, size: i64) -> i64 {
+        self.below(2 * size as usize + 1) as i64 - size
+    }
+}

@@ -1,0 +1,206 @@
+use crate::accel::{Kernel, Traversal};
+use crate::geometry::Hit;
+use crate::light::{Falloff, PointLight};
+use crate::material::Material;
+use crate::math::Ray;
+use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
+use glam::{DVec3, Vec3};
+use std::collections::BTreeMap;
+use std::f64::consts::{PI, TAU};
+
+/// Corners and the triangles between them.
+pub(super) struct Polyhedron {
+    pub(super) corners: Vec<DVec3>,
+    pub(super) faces: Vec<[u32; 3]>,
+}
+
+impl Polyhedron {
+    /// A closed mesh of 20 * 4^levels triangles with corners on the unit sphere, seen from outside.
+    pub(super) fn icosphere(levels: usize) -> Polyhedron {
+        let phi = (1.0 + 5.0_f64.sqrt()) / 2.0;
+        let mut corners = Vec::new();
+        for (a, b) in [(1.0, phi), (-1.0, phi), (1.0, -phi), (-1.0, -phi)] {
+            corners.extend([
+                DVec3::new(0.0, a, b),
+                DVec3::new(a, b, 0.0),
+                DVec3::new(b, 0.0, a),
+            ]);
+        }
+        let mut faces: Vec<[u32; 3]> = Vec::new();
+        for i in 0..12 {
+            for j in i + 1..12 {
+                for k in j + 1..12 {
+                    let [a, b, c] = [i, j, k].map(|corner: usize| corners[corner]);
+                    let near = |a: DVec3, b: DVec3| a.distance(b) < 2.1;
+                    if near(a, b) && near(b, c) && near(a, c) {
+                        let is_outward = (b - a).cross(c - a).dot(a) > 0.0;
+                        let [j, k] = if is_outward { [j, k] } else { [k, j] };
+                        faces.push([i, j, k].map(|corner| corner as u32));
+                    }
+                }
+            }
+        }
+        for corner in &mut corners {
+            *corner = corner.normalize();
+        }
+        for _ in 0..levels {
+            let mut middles = BTreeMap::new();
+            let mut finer = Vec::new();
+            for [a, b, c] in faces {
+                let mut middle = |a: u32, b: u32| {
+                    *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                        let sum = corners[a as usize] + corners[b as usize];
+                        corners.push(sum.normalize());
+                        corners.len() as u32 - 1
+                    })
+                };
+                let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+                finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+            }
+            faces = finer;
+        }
+        Polyhedron { corners, faces }
+    }
+
+    /// A closed unit sphere of `rings` rings with poles where `segments` triangles meet.
+    pub(super) fn globe(segments: u32, rings: u32) -> Polyhedron {
+        let mut corners = vec![DVec3::Y, DVec3::NEG_Y];
+        let mut faces = Vec::new();
+        let at = |ring: u32, segment: u32| 2 + (ring - 1) * segments + segment % segments;
+        for ring in 1..rings {
+            let (radius, y) = (PI * f64::from(ring) / f64::from(rings)).sin_cos();
+            for segment in 0..segments {
+                let (x, z) = (TAU * f64::from(segment) / f64::from(segments)).sin_cos();
+                corners.push(DVec3::new(radius * x, y, radius * z));
+                let next = segment + 1;
+                if ring == 1 {
+                    faces.push([0, at(1, segment), at(1, next)]);
+                } else {
+                    let [a, b] = [at(ring - 1, segment), at(ring - 1, next)];
+                    let [c, d] = [at(ring, segment), at(ring, next)];
+                    faces.extend([[a, c, d], [a, d, b]]);
+                }
+                if ring == rings - 1 {
+                    faces.push([at(ring, segment), 1, at(ring, next)]);
+                }
+            }
+        }
+        Polyhedron { corners, faces }
+    }
+
+    /// A box from `min` to `max`, seen from outside.
+    pub(super) fn cuboid(min: DVec3, max: DVec3) -> Polyhedron {
+        let corner = |i: u32| {
+            let pick = |axis: usize| {
+                if i >> axis & 1 == 0 {
+                    min[axis]
+                } else {
+                    max[axis]
+                }
+            };
+            DVec3::new(pick(0), pick(1), pick(2))
+        };
+        let sides = [
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ];
+        let faces = sides
+            .into_iter()
+            .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        Polyhedron {
+            corners: (0..8).map(corner).collect(),
+            faces: faces.collect(),
+        }
+    }
+
+    /// A parallelogram, counter-clockwise from `corner` by `right` to `up`.
+    pub(super) fn quad(corner: DVec3, right: DVec3, up: DVec3) -> Polyhedron {
+        Polyhedron {
+            corners: vec![corner, corner + right, corner + right + up, corner + up],
+            faces: vec![[0, 1, 2], [0, 2, 3]],
+        }
+    }
+
+    /// The same with its corners elsewhere.
+    pub(super) fn moved(&self, to: impl Fn(DVec3) -> DVec3) -> Polyhedron {
+        Polyhedron {
+            corners: self.corners.iter().map(|&corner| to(corner)).collect(),
+            faces: self.faces.clone(),
+        }
+    }
+
+    /// The corners of each triangle, in single precision.
+    pub(super) fn triangles(&self) -> Vec<[Vec3; 3]> {
+        let corner = |i: u32| self.corners[i as usize].as_vec3();
+        self.faces.iter().map(|face| face.map(corner)).collect()
+    }
+
+    /// A flat-shaded mesh of one material.
+    pub(super) fn mesh(&self, material: usize) -> SourceMesh {
+        SourceMesh {
+            positions: self.corners.clone(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            triangles: self.faces.clone(),
+            material: MeshMaterial::Uniform(material),
+        }
+    }
+}
+
+/// A Lambert surface.
+pub(super) fn matte(diffuse: Vec3) -> Material {
+    Material {
+        diffuse,
+        texture: None,
+        specular: Vec3::ZERO,
+        shininess: 0.0,
+        reflective: Vec3::ZERO,
+    }
+}
+
+/// A mirror that loses nothing.
+pub(super) fn perfect_mirror() -> Material {
+    Material {
+        reflective: Vec3::ONE,
+        ..matte(Vec3::ZERO)
+    }
+}
+
+/// A light of even colour that falls off with the square of the distance.
+pub(super) fn lamp(position: DVec3, intensity: f32) -> (DVec3, PointLight) {
+    let light = PointLight {
+        position: Vec3::ZERO,
+        intensity: Vec3::splat(intensity),
+        falloff: Falloff::InverseSquare,
+    };
+    (position, light)
+}
+
+/// A scene of matte white meshes.
+pub(super) fn white_scene(meshes: &[&Polyhedron], kernel: Kernel) -> Scene {
+    let builder = SceneBuilder {
+        materials: vec![matte(Vec3::ONE)],
+        meshes: meshes.iter().map(|mesh| mesh.mesh(0)).collect(),
+        kernel,
+        ..SceneBuilder::default()
+    };
+    builder.build().0
+}
+
+/// What each of some rays that have nothing in common meets first.
+pub(super) fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Option<Hit>> {
+    let mut hits = vec![None; rays.len()];
+    scene.closest_of_wave(rays, &mut hits, &mut Traversal::default());
+    hits
+}
+
+/// The sine of the angle between a unit vector and an exact one of any length.
+pub(super) fn sine(unit: Vec3, exact: DVec3) -> f64 {
+    // Scaled first, as its square may be too small or too large.
+    let exact = (exact / exact.abs().max_element()).normalize();
+    unit.as_dvec3().cross(exact).length()
+}

@@ -1,0 +1,226 @@
+use super::random::Random;
+use super::shapes::{Polyhedron, first_hits, lamp, matte, white_scene};
+use crate::accel::{Kernel, Point};
+use crate::geometry::{Sphere, Transform};
+use crate::integrator::{CameraSample, Integrator};
+use crate::material::Only;
+use crate::math::{NO_PRIMITIVE, Ray, to_world};
+use crate::sampling::{Sequence, cosine_hemisphere};
+use crate::scene::{Scene, SceneBuilder};
+use glam::{DMat3, DVec3, Vec3};
+use rayon::prelude::*;
+
+/// A ray that leaves a point in a direction by chance, its density that of the cosine; the shape that it
+/// leaves is not excluded.
+fn leave(point: &Point, random: &mut Random) -> Ray {
+    let local = cosine_hemisphere(random.unit(), random.unit());
+    let ray = point.leave(to_world(point.geometric_normal, local));
+    Ray {
+        exclude: NO_PRIMITIVE,
+        ..ray
+    }
+}
+
+/// The rays that leave what some rays see.
+fn leaving(scene: &Scene, rays: &[Ray], random: &mut Random) -> Vec<Ray> {
+    let hits = first_hits(scene, rays);
+    let seen = rays
+        .iter()
+        .zip(hits)
+        .filter_map(|(ray, hit)| Some((ray, hit?)));
+    seen.map(|(ray, hit)| leave(&scene.surface::<Only<0>>(ray, &hit).point, random))
+        .collect()
+}
+
+/// A million for each set-up, in parts.
+fn in_parts(count: impl Fn(&mut Random) -> usize + Sync) -> usize {
+    (0..1000)
+        .into_par_iter()
+        .map(|part| count(&mut Random(part)))
+        .sum()
+}
+
+const PART: usize = 1000;
+
+/// Quads of two triangles, their corners exact, seen from all around; what leaves one of the triangles
+/// meets neither it nor its neighbour. The quads 1e5 m away have a twin on the other side of the origin,
+/// which keeps their coordinates large.
+pub(super) fn leaving_triangles(kernel: Kernel) -> f64 {
+    let (right, up) = (DVec3::new(1.0, 0.25, 0.5), DVec3::new(-0.5, 0.75, 0.25));
+    let mut again = 0;
+    for (size, shift, distance) in [
+        (1.0, 0.0, 5.0),
+        (1.0, 1e5, 5.0),
+        (128.0, 0.0, 1e4),
+        (8192.0, 0.0, 1e5),
+    ] {
+        let middle = DVec3::splat(shift);
+        let quad = Polyhedron::quad(middle - 0.5 * size * (right + up), size * right, size * up);
+        let twin = quad.moved(|p| -p);
+        let meshes = if shift > 0.0 {
+            vec![&quad, &twin]
+        } else {
+            vec![&quad]
+        };
+        let scene = white_scene(&meshes, kernel);
+        again += in_parts(|random| {
+            let rays = (0..PART).map(|_| {
+                let (u, v) = (random.unit(), random.unit());
+                let target = quad.corners[0] + size * (f64::from(u) * right + f64::from(v) * up);
+                let way = random.point();
+                let eye = target + distance * way.normalize_or(DVec3::Y);
+                Ray::new(
+                    (eye - scene.origin).as_vec3(),
+                    (target - eye).normalize().as_vec3(),
+                )
+            });
+            let rays: Vec<Ray> = rays.collect();
+            let left = leaving(&scene, &rays, random);
+            let hits = first_hits(&scene, &left);
+            hits.iter()
+                .flatten()
+                .filter(|hit| hit.t < 1e4 * size)
+                .count()
+        });
+    }
+    again as f64
+}
+
+/// From outside a ray must get away; from inside it meets the other side, at 2 r cos from the normal.
+pub(super) fn leaving_spheres(kernel: Kernel) -> f64 {
+    let mut again = 0;
+    for radius in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
+        for center in [0.0, 0.7 * radius, 1e3 * radius] {
+            let sphere = Sphere {
+                center: DVec3::splat(center),
+                radius,
+                rotation: DMat3::IDENTITY,
+            };
+            // Two more, so that coordinates are not relative to the sphere's centre.
+            let other = |center: DVec3| Sphere { center, ..sphere };
+            let far = DVec3::splat(center + 4.0 * radius);
+            let builder = SceneBuilder {
+                materials: vec![matte(Vec3::ONE)],
+                spheres: [sphere, other(-far), other(-far - 4.0 * radius)]
+                    .map(|sphere| (sphere, 0))
+                    .to_vec(),
+                kernel,
+                ..SceneBuilder::default()
+            };
+            let (scene, _) = builder.build();
+            let origin = sphere.center - scene.origin;
+            let mut random = Random(7);
+            for distance in [0.5, 1.5, 3.0, 100.0] {
+                let rays = (0..3000).map(|_| {
+                    let eye = radius * distance * random.point().normalize_or(DVec3::X);
+                    let target = radius * random.point();
+                    Ray::new(
+                        (origin + eye).as_vec3(),
+                        (target - eye).normalize().as_vec3(),
+                    )
+                });
+                let rays: Vec<Ray> = rays.collect();
+                for (ray, hit) in rays.iter().zip(first_hits(&scene, &rays)) {
+                    let Some(hit) = hit.filter(|hit| hit.primitive == 0) else {
+                        continue;
+                    };
+                    let point = scene.surface::<Only<0>>(ray, &hit).point;
+                    let left = leave(&point, &mut random);
+                    let cos = f64::from(left.direction.dot(point.geometric_normal));
+                    let is_inside = distance < 1.0;
+                    let is_near = |t: f64| {
+                        t < if is_inside {
+                            radius * cos
+                        } else {
+                            2.0 * radius
+                        }
+                    };
+                    let next = first_hits(&scene, &[left])[0];
+                    let meets = next.is_some_and(|next| next.primitive == 0 && is_near(next.t));
+                    again += usize::from(meets || is_inside && next.is_none());
+                }
+            }
+        }
+    }
+    again as f64
+}
+
+/// A box of 1 m, 1e5 m from the origin, straight or turned; and one that has a twin on the other side of the
+/// origin, which is 1e4 m away, so that an ulp is 1 mm: rays from the middle to points 1e-4 m from edges and
+/// corners, and on from there by four bounces.
+pub(super) fn closed_corner(kernel: Kernel) -> f64 {
+    let cuboid = Polyhedron::cuboid(DVec3::splat(-0.5), DVec3::splat(0.5));
+    let mut escapes = 0;
+    for (angle, shift, is_shared) in [(0.0, 1e5, false), (0.7, 1e5, false), (0.0, 1e4, true)] {
+        let place = Transform::new(DVec3::ONE, DVec3::splat(angle), DVec3::splat(shift));
+        let placed = cuboid.moved(|p| place.point(p));
+        let twin = placed.moved(|p| -p);
+        let meshes = if is_shared {
+            vec![&placed, &twin]
+        } else {
+            vec![&placed]
+        };
+        let scene = white_scene(&meshes, kernel);
+        escapes += in_parts(|random| {
+            let rays = (0..PART / 4).map(|i| {
+                let eye = place.point(0.2 * random.point());
+                // On one side, close to one or two others.
+                let mut target = 0.5 * random.point();
+                for axis in 0..1 + i % 2 {
+                    target[axis] = (0.5_f64 - 1e-4).copysign(random.point().x);
+                }
+                target[2] = 0.5_f64.copysign(random.point().x);
+                let way = place.point(target) - eye;
+                Ray::new((eye - scene.origin).as_vec3(), way.normalize().as_vec3())
+            });
+            let mut rays: Vec<Ray> = rays.collect();
+            let mut lost = 0;
+            for _bounce in 0..4 {
+                let left = leaving(&scene, &rays, random);
+                lost += rays.len() - left.len();
+                rays = left;
+            }
+            lost
+        });
+    }
+    escapes as f64
+}
+
+/// A wall 1e-6 m thick, 1e3 m from a scene's middle, where an ulp is 6e-5 m: both sides have the same
+/// coordinates. A lamp in front of it lights no point that is seen from behind, and all that are seen
+/// from the front.
+pub(super) fn thin_wall(kernel: Kernel) -> f64 {
+    let right = DVec3::new(0.0, 4.0, 0.0);
+    let up = DVec3::new(0.0, 0.0, 4.0);
+    let side = |x: f64| Polyhedron::quad(DVec3::new(x, -2.0, -2.0), right, up);
+    let (front, back) = (side(1000.3), side(1000.3 - 1e-6));
+    let twin = front.moved(|p| -p);
+    let builder = SceneBuilder {
+        materials: vec![matte(Vec3::ONE)],
+        meshes: [&front, &back, &twin, &twin]
+            .map(|mesh| mesh.mesh(0))
+            .to_vec(),
+        lights: vec![lamp(DVec3::new(1001.0, 0.0, 0.0), 1.0)],
+        kernel,
+        ..SceneBuilder::default()
+    };
+    let (scene, _) = builder.build();
+    let mut random = Random(8);
+    let mut wrong = 0;
+    for i in 0..10_000 {
+        let is_in_front = i % 2 == 0;
+        let eye = DVec3::new(if is_in_front { 1002.0 } else { 998.0 }, 0.0, 0.0);
+        let target = DVec3::new(1000.3, 1.9 * random.point().y, 1.9 * random.point().z);
+        let direction = (target - eye).normalize().as_vec3();
+        let sample = CameraSample {
+            ray: Ray::new((eye - scene.origin).as_vec3(), direction),
+            sequence: Sequence::new(0, 0, 0, 0),
+            index: 0,
+        };
+        let mut light = [Vec3::ZERO];
+        let integrator = Integrator::RayTracing { bounces: 0 };
+        integrator.radiance(&scene, &[sample], &mut Default::default(), &mut light);
+        wrong += usize::from((light[0].x > 0.0) != is_in_front);
+    }
+    wrong as f64
+}

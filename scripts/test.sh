@@ -20,9 +20,18 @@ step Tests
 cargo test --quiet --release
 step "Random hostile scenes, for ${FUZZ_SECONDS:=20} seconds"
 FUZZ_SECONDS=$FUZZ_SECONDS cargo test --quiet --release --lib fuzz -- --ignored
-step "Both videos, small"
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
+step "Debug build: its checks hold, and its frames are the release build's"
+cargo run --quiet -- selftest
+for build in "" --release; do
+    cargo run --quiet $build -- render scenes/test2.ron paths/zoom.ron --out "$out/build$build" \
+        --frames 0,40 --size 96x54 --mode montecarlo-supersampling --splits 2 --quiet
+done
+for frame in "$out"/build/*.png; do
+    cmp "$frame" "$out/build--release/${frame##*/}"
+done
+step "Both videos, small"
 scripts/render_videos.sh "$out" --size 160x90 --splits 4
 for name in translate_rotate zoom; do
     ffprobe -v error -show_entries format=duration -of "csv=p=0:s=,:nk=1" "$out/$name.mp4" \

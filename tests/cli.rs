@@ -44,6 +44,21 @@ fn output_that_nobody_reads() {
 }
 
 #[test]
+fn selftest_shows_every_case() {
+    let output = flythrough(&["selftest"]);
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{table}");
+    for case in flythrough::selftest::CASES {
+        let named = |line: &&str| line.starts_with(&format!("  {} ", case.name));
+        let row = table.lines().find(named).expect(case.name);
+        assert!(
+            row.contains(case.measures) && row.ends_with("  ok"),
+            "{row}"
+        );
+    }
+}
+
+#[test]
 fn every_shipped_scene_and_path_is_named_here_and_checks_without_warnings() {
     let names = |folder: &str| -> Vec<String> {
         let entries = fs::read_dir(root().join(folder)).unwrap();

@@ -44,7 +44,7 @@ const PART: usize = 1000;
 
 /// Quads of two triangles, their corners exact, seen from all around; what leaves one of the triangles
 /// meets neither it nor its neighbour. The quads 1e5 m away have a twin on the other side of the origin,
-/// which keeps their coordinates large.
+/// which keeps their coordinates large; the largest one is the ground under someone's feet.
 pub(super) fn leaving_triangles(kernel: Kernel) -> f64 {
     let (right, up) = (DVec3::new(1.0, 0.25, 0.5), DVec3::new(-0.5, 0.75, 0.25));
     let mut again = 0;
@@ -53,6 +53,7 @@ pub(super) fn leaving_triangles(kernel: Kernel) -> f64 {
         (1.0, 1e5, 5.0),
         (128.0, 0.0, 1e4),
         (8192.0, 0.0, 1e5),
+        (1_048_576.0, 0.0, 5.0),
     ] {
         let middle = DVec3::splat(shift);
         let quad = Polyhedron::quad(middle - 0.5 * size * (right + up), size * right, size * up);

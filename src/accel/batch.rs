@@ -1,10 +1,9 @@
 //! Many rays at once: in packets as they come, or in waves of rays that have nothing in common.
 
 use super::lanes::{ALL, Packet};
-use super::packet::PACKET;
 use super::sight::{Points, Sight};
 use super::watertight::permuted_axes;
-use super::{Bvh, NOTHING, Traversal, kernel};
+use super::{Bvh, NOTHING, PACKET, Traversal, kernel};
 use crate::geometry::Hit;
 use crate::math::{NO_PRIMITIVE, Ray};
 use glam::Vec3;

@@ -1,8 +1,8 @@
-use super::WIDTH;
 use super::lanes::{ALL, RayLanes, size};
-use super::node::{GROWTH, Node, SMALLEST};
-use super::packet::PACKET;
+use super::node::{Node, SMALLEST};
+use super::rounding::GROWTH;
 use super::simd::Floats;
+use super::{PACKET, WIDTH};
 
 /// What boxes need to know of rays that run into one octant: each ray, and the bundle as a whole.
 pub(super) struct Bundle<V> {

@@ -1,10 +1,9 @@
-use super::kernel::Machine;
 use super::lanes::{Lanes, Packet, RayLanes};
-use super::packet::PACKET;
-use super::simd::Floats;
+use super::rounding::triangle_growth;
+use super::simd::{Floats, Machine};
 use super::triangle_block::{PADDING, TriangleBlock, is_in_the_way, take_nearer};
-use super::watertight::{ShearedRays, triangle_growth};
-use super::{NOTHING, WIDTH};
+use super::watertight::ShearedRays;
+use super::{NOTHING, PACKET, WIDTH};
 use crate::geometry::{Hit, Sphere, TrianglePlane};
 use crate::math::Ray;
 

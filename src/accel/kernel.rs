@@ -4,13 +4,13 @@
     reason = "calls into code compiled for a detected processor"
 )]
 
-use super::Bvh;
 use super::lanes::Packet;
-use super::packet::{PACKET, PacketStack, walk_packet};
+use super::packet::{PacketStack, walk_packet};
 use super::sight::{self, Points, Sight};
-use super::simd::{Floats, Portable};
+use super::simd::{Machine, Portable};
 use super::stack::Stack;
 use super::walk::{walk_closest, walk_occluded};
+use super::{Bvh, PACKET};
 use crate::geometry::Hit;
 use crate::math::Ray;
 use glam::Vec3;
@@ -66,12 +66,6 @@ impl fmt::Display for Kernel {
             Instructions::Avx512 => "AVX-512",
         })
     }
-}
-
-/// The registers of a kernel: for one ray and eight boxes or triangles, and for a packet of rays.
-pub(super) trait Machine {
-    type One: Floats<8>;
-    type Many: Floats<PACKET>;
 }
 
 struct PortableMachine;

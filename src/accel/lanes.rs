@@ -1,5 +1,5 @@
-use super::node::GROWTH;
-use super::packet::PACKET;
+use super::PACKET;
+use super::rounding::GROWTH;
 use super::simd::Floats;
 use super::watertight::{LEAST_SLOPE, ShearedRays, permuted_axes};
 use crate::geometry::{Sphere, TrianglePlane};

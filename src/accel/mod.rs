@@ -16,6 +16,7 @@ mod kernel;
 mod lanes;
 mod node;
 mod packet;
+mod rounding;
 mod sight;
 mod simd;
 mod stack;
@@ -32,12 +33,14 @@ use stack::Stack;
 use triangle_block::TriangleBlock;
 
 pub use kernel::Kernel;
-pub use packet::PACKET;
 pub use sight::{Point, Points, Sight};
 pub use validate::TreeFault;
 
 /// Eight children, or eight triangles, are tested at once.
 const WIDTH: usize = 8;
+
+/// How many rays go through the tree together.
+pub const PACKET: usize = 16;
 
 /// No leaf lies deeper in a tree.
 const MAX_DEPTH: usize = 79;

@@ -1,6 +1,6 @@
 use super::WIDTH;
+use super::rounding::{GROWTH, reach};
 use super::simd::Floats;
-use super::watertight::reach;
 use crate::math::{Aabb, Ray};
 use glam::{Vec3, Vec4};
 
@@ -125,12 +125,6 @@ impl Node {
         (near, far)
     }
 }
-
-/// Boxes are grown by this share of the largest coordinates that rays and boxes have: more than
-/// triangles are ([`TRIANGLE_GROWTH`](super::watertight::TRIANGLE_GROWTH)), by at least twice the
-/// rounding of the box test itself (three operations for each plane, after Ize 2013, "Robust BVH Ray
-/// Traversal", JCGT 2(2)).
-pub(super) const GROWTH: f32 = 16.0 * f32::EPSILON;
 
 /// Components of a direction that are smaller, as a share of the largest, count as this much: their
 /// reciprocals would overflow. Such a ray leaves its plane by less than boxes are grown.

@@ -4,18 +4,14 @@
 //! left out eight at a time, the others are tested with one ray in each lane, and so are triangles.
 //! Each ray finds what it would find alone.
 
-use super::Bvh;
 use super::bundle::Bundle;
 use super::found::Found;
-use super::kernel::Machine;
 use super::lanes::{Packet, RayLanes};
 use super::node::{Child, ROOT};
-use super::simd::Floats;
+use super::simd::{Floats, Machine};
 use super::stack::STACK_SIZE;
+use super::{Bvh, PACKET};
 use crate::geometry::Hit;
-
-/// How many rays go through the tree together.
-pub const PACKET: usize = 16;
 
 /// With fewer rays in a block, one ray after the other meets all its triangles.
 const FEW: u32 = 3;

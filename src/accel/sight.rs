@@ -1,7 +1,7 @@
 //! Shadow rays: from points of surfaces to one light.
 
+use super::PACKET;
 use super::lanes::{ALL, Lanes, Packet, size};
-use super::packet::PACKET;
 use super::simd::Floats;
 use crate::math::{NO_PRIMITIVE, Ray};
 use glam::Vec3;

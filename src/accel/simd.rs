@@ -8,6 +8,8 @@
     reason = "vector instructions; each block states why it is sound"
 )]
 
+use super::PACKET;
+
 /// `N` lanes of `f32`. Comparisons give a bit for each lane and are false for NaN.
 pub(super) trait Floats<const N: usize>: Copy {
     fn splat(value: f32) -> Self;
@@ -33,6 +35,12 @@ pub(super) trait Floats<const N: usize>: Copy {
     fn zero_below(self, threshold: f32) -> Self;
     fn lt(self, other: Self) -> u32;
     fn le(self, other: Self) -> u32;
+}
+
+/// The registers of a kernel: for one ray and eight boxes or triangles, and for a packet of rays.
+pub(super) trait Machine {
+    type One: Floats<8>;
+    type Many: Floats<PACKET>;
 }
 
 /// Plain code.

@@ -1,6 +1,7 @@
 use super::WIDTH;
+use super::rounding::{reach, triangle_growth};
 use super::simd::Floats;
-use super::watertight::{ShearedRays, reach, triangle_growth};
+use super::watertight::ShearedRays;
 use crate::geometry::{Hit, TrianglePlane};
 use crate::math::Ray;
 use glam::Vec3;

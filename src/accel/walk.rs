@@ -1,8 +1,7 @@
 //! One ray through the tree, eight boxes or triangles at once.
 
-use super::kernel::Machine;
 use super::node::{BoxRay, Child, ROOT};
-use super::simd::Floats;
+use super::simd::{Floats, Machine};
 use super::stack::Stack;
 use super::triangle_block::{PADDING, is_in_the_way, take_nearer};
 use super::watertight::{ShearedRays, permuted_axes};

@@ -1,4 +1,4 @@
-use super::node::GROWTH;
+use super::rounding::{GROWTH, reach};
 use super::simd::Floats;
 use crate::math::Ray;
 use glam::{Vec3, Vec4};
@@ -36,24 +36,6 @@ pub(super) fn permuted_axes(direction: Vec3) -> [usize; 3] {
 /// A slope so small that its products with lengths underflow would turn a ray inside a triangle's
 /// plane into noise.
 pub(super) const LEAST_SLOPE: f32 = 1e-25;
-
-/// How far beside a triangle a ray may pass that hits it, as a share of the largest coordinates that
-/// rays and triangles have. Rounding may move a corner, as the ray sees it, by 3 epsilon, and an edge
-/// by as much as 2 more. The edges of slivers, seen from afar, may move much farther, but that closes
-/// no gap: it is no hit.
-pub(super) const TRIANGLE_GROWTH: f32 = 8.0 * f32::EPSILON;
-
-/// [`TRIANGLE_GROWTH`] of the largest coordinates.
-#[inline(always)]
-pub(super) fn triangle_growth(reach: f32) -> f64 {
-    f64::from(TRIANGLE_GROWTH) * f64::from(reach)
-}
-
-/// The largest coordinates of a ray, added to those of the scene.
-#[inline(always)]
-pub(super) fn reach(ray: &Ray, magnitude: f32) -> f32 {
-    magnitude + ray.origin.abs().max_element()
-}
 
 impl<V> ShearedRays<V> {
     /// One ray in all lanes; `axes` are its [`permuted_axes`], and `magnitude` bounds all coordinates

@@ -1,5 +1,6 @@
 use super::random::Random;
-use super::shapes::{Polyhedron, first_hits, matte, sine};
+use super::shapes::Polyhedron;
+use super::stage::{first_hits, matte, sine};
 use crate::accel::{Bvh, Kernel, Traversal};
 use crate::geometry::{Mesh, Transform};
 use crate::material::Only;

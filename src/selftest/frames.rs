@@ -1,27 +1,15 @@
 use super::room::room;
-use super::shapes::{Polyhedron, matte};
+use super::shapes::Polyhedron;
+use super::stage::{looking, matte};
 use super::textures::Picture;
 use crate::accel::Kernel;
-use crate::camera::{Camera, CameraPath, Interpolation, Keyframe, Orientation};
+use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrator::Integrator;
 use crate::material::Material;
 use crate::render::{PixelSampling, RenderSettings, render_frame};
 use crate::scene::{Scene, SceneBuilder, SourceMesh};
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
-
-/// A camera at `eye` that looks at `target`, its vertical field of view in degrees.
-pub(super) fn looking(eye: DVec3, target: DVec3, degrees: f64) -> Camera {
-    let key = Keyframe {
-        time: 0.0,
-        position: eye,
-        orientation: Orientation::LookAt(target),
-        field_of_view: degrees.to_radians(),
-    };
-    CameraPath::new(1.0, Interpolation::Linear, &[key])
-        .expect("one key that does not look straight up or down")
-        .camera(0)
-}
 
 fn settings(integrator: Integrator, sampling: PixelSampling) -> RenderSettings {
     RenderSettings {

@@ -1,6 +1,7 @@
 use super::oracle::nearest_triangle;
 use super::random::Random;
-use super::shapes::{Polyhedron, lamp, matte, perfect_mirror};
+use super::shapes::Polyhedron;
+use super::stage::{lamp, matte, perfect_mirror};
 use crate::accel::{Kernel, Traversal};
 use crate::geometry::{Sphere, Transform};
 use crate::integrator::{CameraSample, Integrator};

@@ -13,6 +13,7 @@ mod random;
 mod room;
 mod shapes;
 mod spheres;
+mod stage;
 mod surfaces;
 mod textures;
 mod watertight;

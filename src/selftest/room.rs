@@ -1,5 +1,5 @@
-use super::frames::looking;
-use super::shapes::{Polyhedron, lamp, matte, perfect_mirror};
+use super::shapes::Polyhedron;
+use super::stage::{lamp, looking, matte, perfect_mirror};
 use crate::accel::Kernel;
 use crate::camera::Camera;
 use crate::geometry::Sphere;

@@ -1,9 +1,4 @@
-use crate::accel::{Kernel, Traversal};
-use crate::geometry::Hit;
-use crate::light::{Falloff, PointLight};
-use crate::material::Material;
-use crate::math::Ray;
-use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
+use crate::scene::{MeshMaterial, SourceMesh};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -149,58 +144,4 @@ impl Polyhedron {
             material: MeshMaterial::Uniform(material),
         }
     }
-}
-
-/// A Lambert surface.
-pub(super) fn matte(diffuse: Vec3) -> Material {
-    Material {
-        diffuse,
-        texture: None,
-        specular: Vec3::ZERO,
-        shininess: 0.0,
-        reflective: Vec3::ZERO,
-    }
-}
-
-/// A mirror that loses nothing.
-pub(super) fn perfect_mirror() -> Material {
-    Material {
-        reflective: Vec3::ONE,
-        ..matte(Vec3::ZERO)
-    }
-}
-
-/// A light of even colour that falls off with the square of the distance.
-pub(super) fn lamp(position: DVec3, intensity: f32) -> (DVec3, PointLight) {
-    let light = PointLight {
-        position: Vec3::ZERO,
-        intensity: Vec3::splat(intensity),
-        falloff: Falloff::InverseSquare,
-    };
-    (position, light)
-}
-
-/// A scene of matte white meshes.
-pub(super) fn white_scene(meshes: &[&Polyhedron], kernel: Kernel) -> Scene {
-    let builder = SceneBuilder {
-        materials: vec![matte(Vec3::ONE)],
-        meshes: meshes.iter().map(|mesh| mesh.mesh(0)).collect(),
-        kernel,
-        ..SceneBuilder::default()
-    };
-    builder.build().0
-}
-
-/// What each of some rays that have nothing in common meets first.
-pub(super) fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Option<Hit>> {
-    let mut hits = vec![None; rays.len()];
-    scene.closest_of_wave(rays, &mut hits, &mut Traversal::default());
-    hits
-}
-
-/// The sine of the angle between a unit vector and an exact one of any length.
-pub(super) fn sine(unit: Vec3, exact: DVec3) -> f64 {
-    // Scaled first, as its square may be too small or too large.
-    let exact = (exact / exact.abs().max_element()).normalize();
-    unit.as_dvec3().cross(exact).length()
 }

@@ -1,6 +1,5 @@
-use super::frames::looking;
 use super::random::Random;
-use super::shapes::{lamp, matte};
+use super::stage::{lamp, looking, matte};
 use crate::accel::{Bvh, Kernel, Traversal};
 use crate::camera::Camera;
 use crate::geometry::Sphere;

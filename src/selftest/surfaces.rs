@@ -1,5 +1,6 @@
 use super::random::Random;
-use super::shapes::{Polyhedron, first_hits, lamp, matte, white_scene};
+use super::shapes::Polyhedron;
+use super::stage::{first_hits, lamp, matte, white_scene};
 use crate::accel::{Kernel, Point};
 use crate::geometry::{Sphere, Transform};
 use crate::integrator::{CameraSample, Integrator};

@@ -1,5 +1,5 @@
 use super::random::Random;
-use super::shapes::{first_hits, matte};
+use super::stage::{first_hits, matte};
 use crate::accel::Kernel;
 use crate::geometry::Sphere;
 use crate::material::{Material, Only};

@@ -1,5 +1,6 @@
 use super::random::Random;
-use super::shapes::{Polyhedron, first_hits, sine, white_scene};
+use super::shapes::Polyhedron;
+use super::stage::{first_hits, sine, white_scene};
 use crate::accel::{Bvh, Kernel, Traversal};
 use crate::geometry::Transform;
 use crate::material::Only;

@@ -90,6 +90,16 @@ impl Node {
         }
     }
 
+    /// Puts a leaf where there is no child. Rays that are no numbers enter even boxes of nothing, and must
+    /// find an end.
+    pub(super) fn fill(&mut self, leaf: Child) {
+        for lane in 0..WIDTH {
+            if self.bounds(lane) == Aabb::EMPTY {
+                self.children[lane] = leaf.pack();
+            }
+        }
+    }
+
     /// Renumbers children after `nodes` nodes and `blocks` blocks were put before.
     pub(super) fn shift(&mut self, nodes: u32, blocks: u32) {
         for word in &mut self.children {

@@ -223,3 +223,33 @@ fn validation_finds_faults() {
     let fault = endless.validate();
     assert!(matches!(fault, Err(TreeFault::TooDeep { .. })), "{fault:?}");
 }
+
+/// They meet nothing that is worth a name, but a program that waits for them would never end.
+#[test]
+fn rays_that_are_no_numbers_find_an_end() {
+    let mut random = Random(7);
+    let mut triangle = || {
+        let at = random.vector(1.0);
+        [at, at + random.vector(0.3), at + random.vector(0.3)]
+    };
+    let triangles: Vec<_> = (0..300).map(|_| triangle()).collect();
+    let (nan, infinity) = (f32::NAN, f32::INFINITY);
+    let numbers = [0.0, 1.0, 1e-45, 3e38, nan, infinity];
+    let spheres = vec![sphere(Vec3::ONE, 1.0); 9];
+    for kernel in Kernel::available() {
+        for (triangles, spheres) in [(&triangles[..], vec![]), (&[], spheres.clone())] {
+            let bvh = Bvh::new(triangles, spheres, kernel);
+            let mut traversal = Traversal::default();
+            for i in 0..216 {
+                let direction = Vec3::new(numbers[i % 6], numbers[i / 6 % 6], numbers[i / 36]);
+                for origin in [Vec3::ZERO, Vec3::splat(nan), Vec3::splat(infinity)] {
+                    let ray = Ray::new(origin, direction);
+                    let hit = bvh.closest(&ray, &mut traversal);
+                    assert!(hit.is_none_or(|hit| hit.t > 0.0));
+                    bvh.occluded(&ray, &mut traversal);
+                    bvh.closest_of_packet(&[ray; PACKET], &mut [None; PACKET], &mut traversal);
+                }
+            }
+        }
+    }
+}

@@ -53,6 +53,13 @@ pub(in super::super) fn build(
     if tree.blocks.len() <= TINY && spheres.len() <= TINY {
         tree.nodes.clear();
     }
+    let leaf = match tree.blocks.is_empty() {
+        true => Child::Sphere(0),
+        false => Child::Triangles(0),
+    };
+    for node in &mut tree.nodes {
+        node.fill(leaf);
+    }
     Bvh {
         nodes: tree.nodes,
         blocks: tree.blocks,

@@ -3,30 +3,7 @@
 
 mod support;
 
-use std::fs;
 use support::*;
-
-/// Runs `check` on a scene and a path given as text, with `files` beside them. Returns the exit
-/// status and stderr, with the folder's name cut out.
-fn check(scene: &str, path: &str, files: &[(&str, &[u8])]) -> (Option<i32>, String) {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, bytes) in [("s.ron", scene.as_bytes()), ("p.ron", path.as_bytes())] {
-        fs::write(folder.path().join(name), bytes).unwrap();
-    }
-    for (name, bytes) in files {
-        fs::write(folder.path().join(name), bytes).unwrap();
-    }
-    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let output = flythrough(&["check", &file("s.ron"), &file("p.ron")]);
-    let place = format!("{}/", folder.path().display());
-    (output.status.code(), stderr(&output).replace(&place, ""))
-}
-
-const KEY: &str = "(time: 0, position: (0, 0, 0), look_at: (0, 0, -1), fov: 50)";
-
-fn path(keys: &str) -> String {
-    format!("CameraPath(fps: 24, keyframes: [{keys}])")
-}
 
 #[test]
 fn scenes() {
@@ -89,6 +66,11 @@ fn scenes() {
             "linear",
         ),
         ("Scene(objects: [], settings: (samples: 0))".to_owned(), "settings.samples: 0 is not"),
+        ("Scene(objects: [], settings: (size: (32768, 16384)))".to_owned(), "settings.size: 32768x16384 are more"),
+        ("Scene(objects: [], objects: [])".to_owned(), "s.ron:1:20: Unexpected duplicate field named `objects`"),
+        (sphere("radius: 2"), "duplicate field named `radius`"),
+        (sphere("scale: (1e15, 1e15, 1e15), center: (2, 0, 0)"), "objects[0]: its scale and translation take [2, 0, 0] beyond 1e15"),
+        (sphere("scale: (1e-15, 1e-15, 1e-15)").replace("radius: 1", "radius: 1e-3"), "objects[0].radius: 1e-18 is not between 1e-15 and 1e15"),
         ("Scene(objects: [], settings: (mode: \"fast\"))".to_owned(), "no mode is called \"fast\""),
     ];
     for (scene, expected) in cases {
@@ -155,73 +137,6 @@ fn paths() {
         let (status, message) = check("Scene(objects: [])", &path, &[]);
         assert_eq!(status, Some(2), "{path}: {message}");
         assert!(message.contains(expected), "{path}: {message}");
-    }
-}
-
-#[test]
-fn models_and_images() {
-    let model = "Scene(objects: [model(file: \"m.obj\")])";
-    let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
-    let cases = [
-        (
-            model,
-            vec![("m.obj", "v 0 0 zero\n".into())],
-            "m.obj:1: position parse error",
-        ),
-        (
-            model,
-            vec![("m.obj", format!("{triangle}f 1 2 7\n"))],
-            "m.obj:4: face vertex index out",
-        ),
-        (
-            model,
-            vec![("m.obj", format!("mtllib none.mtl\n{triangle}f 1 2 3\n"))],
-            "m.obj: mtllib names none.mtl, which cannot be read",
-        ),
-        (
-            model,
-            vec![
-                (
-                    "m.obj",
-                    format!("mtllib m.mtl\n{triangle}usemtl a\nf 1 2 3\n"),
-                ),
-                ("m.mtl", "newmtl a\nmap_Kd none.png\n".into()),
-            ],
-            "m.mtl: material \"a\": map_Kd names none.png",
-        ),
-        (
-            "Scene(objects: [], materials: {\"m\": (texture: \"t.png\")})",
-            vec![("t.png", "not a picture".into())],
-            "t.png: not an image that can be used",
-        ),
-    ];
-    for (scene, files, expected) in cases {
-        let files: Vec<_> = files
-            .iter()
-            .map(|(n, text)| (*n, text.as_bytes()))
-            .collect();
-        let (status, message) = check(scene, &path(KEY), &files);
-        assert_eq!(status, Some(2), "{message}");
-        assert!(message.contains(expected), "{message}");
-    }
-}
-
-#[test]
-fn oddities_are_said_and_do_not_stop() {
-    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n";
-    let scene = "Scene(materials: {\"m\": ()}, objects: [
-        model(file: \"m.obj\"),
-        sphere(radius: 1, material: \"m\", scale: (1, -3, 2)),
-    ])";
-    let (status, message) = check(scene, &path(KEY), &[("m.obj", obj.as_bytes())]);
-    assert_eq!(status, Some(0), "{message}");
-    for expected in [
-        "m.obj: 2 triangles name no material",
-        "objects[1] is scaled unevenly; it stays a sphere, its radius times the largest factor 3",
-        "1 triangles without area are left out",
-        "there are no lights",
-    ] {
-        assert!(message.contains(expected), "{message}");
     }
 }
 

@@ -4,12 +4,14 @@
 
 mod hit;
 mod mesh;
+mod polygon;
 mod sphere;
 mod transform;
 mod triangle;
 
 pub use hit::Hit;
 pub use mesh::{Corners, Mesh};
+pub use polygon::{fan, triangulate};
 pub use sphere::Sphere;
 pub use transform::Transform;
 pub use triangle::TrianglePlane;

@@ -9,7 +9,10 @@ pub(super) type Triple = (f64, f64, f64);
 
 /// Coordinates beyond this lose so much to rounding, or overflow when squared, that no picture
 /// could be right.
-const LARGEST: f64 = 1e15;
+pub(super) const LARGEST: f64 = 1e15;
+
+/// Sizes below this vanish when squared or in single precision.
+pub(super) const SMALLEST: f64 = 1e-15;
 
 /// Names values of one file in messages.
 #[derive(Clone, Copy)]
@@ -40,15 +43,17 @@ impl Checker<'_> {
         self.refuse(key, format!("{value} is not between {least} and {most}"))
     }
 
-    /// A number above 0.
+    /// A size or a rate.
     pub(super) fn positive(self, key: &str, value: f64) -> Result<f64, InputError> {
-        if value > 0.0 && value <= LARGEST {
+        if (SMALLEST..=LARGEST).contains(&value) {
             return Ok(value);
         }
-        self.refuse(
-            key,
-            format!("{value} is not a number above 0 and up to {LARGEST:e}"),
-        )
+        let message = if value > 0.0 {
+            format!("{value:e} is not between {SMALLEST:e} and {LARGEST:e}")
+        } else {
+            format!("{value} is not a number above 0")
+        };
+        self.refuse(key, message)
     }
 
     /// A point, direction or set of angles.

@@ -69,4 +69,19 @@ pub enum InputError {
         /// What the decoder says.
         source: image::ImageError,
     },
+    /// An image is too large for a texture.
+    #[error(
+        "{file}: an image of {width}x{height} texels; a texture may have up to {most}: make it smaller",
+        file = .file.display()
+    )]
+    LargeImage {
+        /// The file.
+        file: PathBuf,
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// The largest number of texels.
+        most: u64,
+    },
 }

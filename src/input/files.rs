@@ -1,6 +1,7 @@
 use super::error::InputError;
 use std::collections::BTreeMap;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Reads input files and remembers what was in them, so that frames can be told to be of these
@@ -11,9 +12,13 @@ pub struct InputFiles {
 }
 
 impl InputFiles {
-    /// The bytes of a file that the user named.
+    /// The bytes of a file that the user named. Refuses what is not a file, which may have no end.
     pub fn read(&mut self, file: &Path) -> Result<Vec<u8>, InputError> {
-        let bytes = fs::read(file).map_err(|source| InputError::Read {
+        let bytes = match fs::metadata(file) {
+            Ok(is) if !is.is_file() => Err(io::Error::other("it is not a file with bytes in it")),
+            _ => fs::read(file),
+        };
+        let bytes = bytes.map_err(|source| InputError::Read {
             file: file.to_owned(),
             source,
         })?;

@@ -9,13 +9,16 @@ mod camera_path_file;
 mod check;
 mod error;
 mod files;
+mod mtl;
 mod obj;
-mod obj_lines;
+mod obj_check;
 mod ron_file;
 mod scene_file;
 mod scene_loader;
 mod settings_file;
+mod statements;
 mod texture_file;
+mod unused;
 
 pub use camera_path_file::{CameraPathInput, load_camera_path};
 pub use error::InputError;

@@ -11,13 +11,27 @@ use std::path::Path;
 pub(super) fn parse<T: DeserializeOwned>(file: &Path, bytes: &[u8]) -> Result<T, InputError> {
     let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES;
     let options = ron::Options::default().with_default_extension(extensions);
+    let fault = |line, column, message| InputError::Syntax {
+        file: file.to_owned(),
+        line,
+        column,
+        message,
+    };
+    let text = str::from_utf8(bytes).map_err(|error| {
+        let before = String::from_utf8_lossy(&bytes[..error.valid_up_to()]);
+        let last = before.rsplit('\n').next().unwrap_or_default();
+        let message = "what stands here is not UTF-8; save the file as UTF-8".to_owned();
+        fault(
+            before.split('\n').count(),
+            last.chars().count() + 1,
+            message,
+        )
+    })?;
     options
-        .from_bytes(bytes)
-        .map_err(|error| InputError::Syntax {
-            file: file.to_owned(),
-            line: error.span.start.line,
-            column: error.span.start.col,
-            message: error.code.to_string(),
+        .from_str(text.trim_start_matches('\u{feff}'))
+        .map_err(|error| {
+            let start = error.span.start;
+            fault(start.line, start.col, error.code.to_string())
         })
 }
 

@@ -1,8 +1,9 @@
 //! Turns scene files, and every file that they name, into scenes.
 
-use super::check::{BRIGHTEST, Checker, Triple};
+use super::check::{BRIGHTEST, Checker, LARGEST, Triple};
 use super::error::InputError;
 use super::files::{InputFiles, relative_to};
+use super::mtl::SHARPEST;
 use super::obj::{self, ObjModel};
 use super::scene_file::{
     FalloffFile, LightFile, MaterialFile, ModelFile, ObjectFile, SceneFile, SphereFile,
@@ -140,7 +141,7 @@ impl Loader<'_> {
             diffuse: check.color(&key("diffuse"), material.diffuse.unwrap_or(default), 1.0)?,
             texture,
             specular: check.color(&key("specular"), material.specular, BRIGHTEST)?,
-            shininess: check.range(&key("shininess"), material.shininess, 0.0, 1e6)? as f32,
+            shininess: check.range(&key("shininess"), material.shininess, 0.0, SHARPEST)? as f32,
             reflective: check.color(&key("reflective"), material.reflective, 1.0)?,
         };
         let number = self.new_material(material);
@@ -222,6 +223,16 @@ impl Loader<'_> {
         Ok((Transform::new(scale, angles, translation), scale))
     }
 
+    /// A point of an object where its transform puts it.
+    fn placed(&self, key: &str, transform: &Transform, p: DVec3) -> Result<DVec3, InputError> {
+        let placed = transform.point(p);
+        if placed.abs().max_element() <= LARGEST {
+            return Ok(placed);
+        }
+        let message = format!("its scale and translation take {p} beyond {LARGEST:e}");
+        self.check.refuse(key, message)
+    }
+
     fn add_sphere(&mut self, key: &str, sphere: &SphereFile) -> Result<(), InputError> {
         let (transform, scale) =
             self.transform(key, sphere.scale, sphere.rotation, sphere.translation)?;
@@ -235,13 +246,12 @@ impl Loader<'_> {
             ));
         }
         let center = self.check.vector(&format!("{key}.center"), sphere.center)?;
-        let radius = self
-            .check
-            .positive(&format!("{key}.radius"), sphere.radius)?;
+        let name = format!("{key}.radius");
+        let radius = self.check.positive(&name, sphere.radius)? * factors.max_element();
         let material = self.material(&format!("{key}.material"), &sphere.material)?;
         let sphere = Sphere {
-            center: transform.point(center),
-            radius: radius * factors.max_element(),
+            center: self.placed(key, &transform, center)?,
+            radius: self.check.positive(&name, radius)?,
             rotation: transform.rotation(),
         };
         self.builder.spheres.push((sphere, material));
@@ -256,7 +266,7 @@ impl Loader<'_> {
             let vertex = self
                 .check
                 .vector(&format!("{key}.vertices[{i}]"), *vertex)?;
-            positions.push(transform.point(vertex));
+            positions.push(self.placed(key, &transform, vertex)?);
         }
         let mut uvs = Vec::new();
         for (i, &(u, v)) in triangle.uvs.iter().flatten().enumerate() {
@@ -316,8 +326,10 @@ impl Loader<'_> {
                     self.builder.materials.len() - 1
                 });
             }
+            let positions = part.positions.iter();
+            let positions = positions.map(|&p| self.placed(key, &transform, p));
             self.builder.meshes.push(SourceMesh {
-                positions: part.positions.iter().map(|&p| transform.point(p)).collect(),
+                positions: positions.collect::<Result<_, _>>()?,
                 normals: part
                     .normals
                     .iter()

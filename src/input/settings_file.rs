@@ -76,6 +76,9 @@ pub struct Settings {
     pub exposure: Option<f32>,
 }
 
+/// A frame of 16,384 x 16,384: more than 3 GB while it is rendered.
+const MOST_PIXELS: u32 = 1 << 28;
+
 /// A setting that cannot be rendered with.
 #[derive(Debug, Error, PartialEq)]
 #[error("{key}: {message}")]
@@ -112,6 +115,11 @@ impl Settings {
         if let Some((width, height)) = self.size {
             within("size", width, 1, 32_768)?;
             within("size", height, 1, 32_768)?;
+            if width * height > MOST_PIXELS {
+                let key = "size";
+                let message = format!("{width}x{height} are more than {MOST_PIXELS} pixels");
+                return Err(SettingsError { key, message });
+            }
         }
         if let Some(samples) = self.samples {
             within("samples", samples, 1, 1 << 20)?;
@@ -209,6 +217,14 @@ mod tests {
         assert_eq!(
             refused(Settings {
                 size: Some((0, 9)),
+                ..none.clone()
+            }),
+            Some("size")
+        );
+        let size = Some((32_768, 16_384));
+        assert_eq!(
+            refused(Settings {
+                size,
                 ..none.clone()
             }),
             Some("size")

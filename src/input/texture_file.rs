@@ -1,8 +1,12 @@
 use super::error::InputError;
 use crate::texture::Texture;
-use image::{DynamicImage, ImageReader};
-use std::io::Cursor;
+use image::error::{ImageFormatHint, UnsupportedError, UnsupportedErrorKind};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
+use std::io::{self, Cursor};
 use std::path::Path;
+
+/// 16,384 x 16,384: a file of a few bytes can claim any number, and memory is taken for all of them.
+const MOST_TEXELS: u64 = 1 << 28;
 
 /// Decodes a PNG, JPEG, BMP or TGA file. Also returns what of it is not used.
 ///
@@ -16,12 +20,32 @@ pub(super) fn decode(
         source,
     };
     let mut reader = ImageReader::new(Cursor::new(bytes));
-    if let Ok(format) = image::ImageFormat::from_path(file) {
+    if let Ok(format) = ImageFormat::from_path(file) {
         reader.set_format(format);
     }
-    let mut reader = reader.with_guessed_format().map_err(|e| refuse(e.into()))?;
-    reader.no_limits();
-    let image = reader.decode().map_err(refuse)?;
+    let reader = reader.with_guessed_format().map_err(|e| refuse(e.into()))?;
+    // Floats of linear light, which would be taken for sRGB.
+    if reader.format() == Some(ImageFormat::OpenExr) {
+        let format = ImageFormatHint::Exact(ImageFormat::OpenExr);
+        let kind = UnsupportedErrorKind::Format(format.clone());
+        let error = UnsupportedError::from_format_and_kind(format, kind);
+        return Err(refuse(image::ImageError::Unsupported(error)));
+    }
+    if reader.format() == Some(ImageFormat::Jpeg) && is_cut_jpeg(bytes) {
+        let error = io::Error::new(io::ErrorKind::UnexpectedEof, "the file is cut off");
+        return Err(refuse(error.into()));
+    }
+    let decoder = reader.into_decoder().map_err(refuse)?;
+    let (width, height) = decoder.dimensions();
+    if u64::from(width) * u64::from(height) > MOST_TEXELS {
+        return Err(InputError::LargeImage {
+            file: file.to_owned(),
+            width,
+            height,
+            most: MOST_TEXELS,
+        });
+    }
+    let image = DynamicImage::from_decoder(decoder).map_err(refuse)?;
     let notice = unused(&image);
     let rgb = image.into_rgb8();
     let (width, height) = (rgb.width() as usize, rgb.height() as usize);
@@ -32,6 +56,13 @@ pub(super) fn decode(
         ))
     })?;
     Ok((texture, notice))
+}
+
+/// Whether the end is missing, in place of which the decoder would give grey: no end of image stands
+/// after the last start of a scan. Neither can be a part of a scan.
+fn is_cut_jpeg(bytes: &[u8]) -> bool {
+    let last = |marker| bytes.windows(2).rposition(|pair| pair == [0xff, marker]);
+    last(0xd9) < last(0xda)
 }
 
 fn unused(image: &DynamicImage) -> Option<&'static str> {

@@ -102,6 +102,38 @@ pub(crate) fn flythrough(arguments: &[&str]) -> Output {
         .unwrap()
 }
 
+/// Runs `check` on a scene and a path given as text, with `files` beside them. Returns the exit
+/// status and stderr, with the folder's name cut out.
+pub(crate) fn check(scene: &str, path: &str, files: &[(&str, &[u8])]) -> (Option<i32>, String) {
+    let mut all = vec![("s.ron", scene.as_bytes()), ("p.ron", path.as_bytes())];
+    all.extend(files);
+    check_files("s.ron", "p.ron", &all)
+}
+
+/// As [`check`], of two of the files.
+pub(crate) fn check_files(
+    scene: &str,
+    path: &str,
+    files: &[(&str, &[u8])],
+) -> (Option<i32>, String) {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, bytes) in files {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let output = flythrough(&["check", &file(scene), &file(path)]);
+    let place = format!("{}/", folder.path().display());
+    (output.status.code(), stderr(&output).replace(&place, ""))
+}
+
+/// A key of a camera path that stands still.
+pub(crate) const KEY: &str = "(time: 0, position: (0, 0, 0), look_at: (0, 0, -1), fov: 50)";
+
+/// A camera path of these keys.
+pub(crate) fn path(keys: &str) -> String {
+    format!("CameraPath(fps: 24, keyframes: [{keys}])")
+}
+
 pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }

@@ -1,0 +1,131 @@
+use glam::{DVec2, DVec3, Vec3Swizzles};
+
+/// Cutting takes a time that grows with the square of the corners, and in the worst case with the
+/// cube.
+const MOST_CORNERS: usize = 1024;
+
+/// Cuts a polygon into triangles of its corners, wound as it is: into a fan around the first corner
+/// if that covers it, else by cutting off ears (Meisters 1975, "Polygons have ears"). There are three
+/// corners or more; they need not lie in a plane.
+///
+/// None for polygons that cross themselves, and for concave ones of more than 1024 corners.
+pub fn triangulate(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
+    let flat = flattened(corners);
+    let mut left: Vec<usize> = (0..flat.len()).collect();
+    let area = |[a, b, c]: [usize; 3]| (flat[b] - flat[a]).perp_dot(flat[c] - flat[a]);
+    let fan = fan(flat.len());
+    if fan.iter().all(|&triangle| area(triangle) >= 0.0) {
+        return Some(fan);
+    }
+    if flat.len() > MOST_CORNERS {
+        return None;
+    }
+    let is_inside = |p: usize, [a, b, c]: [usize; 3]| {
+        area([a, b, p]) > 0.0 && area([b, c, p]) > 0.0 && area([c, a, p]) > 0.0
+    };
+    let mut triangles = Vec::new();
+    let mut at = 0;
+    while left.len() > 3 {
+        let count = left.len();
+        let triangle = |i: usize| [i, i + 1, i + 2].map(|i| left[i % count]);
+        let ear = (at..at + count).find(|&i| {
+            area(triangle(i)) >= 0.0 && !left.iter().any(|&p| is_inside(p, triangle(i)))
+        })?;
+        triangles.push(triangle(ear));
+        left.remove((ear + 1) % count);
+        at = ear;
+    }
+    let last = [left[0], left[1], left[2]];
+    triangles.push(last);
+    (area(last) >= 0.0).then_some(triangles)
+}
+
+/// The triangles around the first of some corners.
+pub fn fan(corners: usize) -> Vec<[usize; 3]> {
+    (2..corners).map(|i| [0, i - 1, i]).collect()
+}
+
+/// The corners in the coordinate plane that shows the most of the polygon, so that they run
+/// counter-clockwise.
+fn flattened(corners: &[DVec3]) -> Vec<DVec2> {
+    let from = |p: DVec3| p - corners[0];
+    let normal: DVec3 = corners
+        .windows(2)
+        .map(|pair| from(pair[0]).cross(from(pair[1])))
+        .sum();
+    let axis = normal.abs().max_position();
+    let flat = corners.iter().map(|&p| match axis {
+        0 => from(p).yz(),
+        1 => from(p).zx(),
+        _ => from(p).xy(),
+    });
+    if normal[axis] >= 0.0 {
+        flat.collect()
+    } else {
+        flat.map(|p| DVec2::new(-p.x, p.y)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn area(corners: &[DVec3], triangles: &[[usize; 3]]) -> DVec3 {
+        let doubled =
+            |[a, b, c]: &[usize; 3]| (corners[*b] - corners[*a]).cross(corners[*c] - corners[*a]);
+        triangles.iter().map(doubled).sum::<DVec3>() * 0.5
+    }
+
+    #[test]
+    fn convex_polygons_become_fans() {
+        let pentagon = [(0, 0), (2, 0), (3, 1), (1, 3), (0, 1)]
+            .map(|(x, y)| DVec3::new(f64::from(x), f64::from(y), 5.0));
+        let fan = Some(vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]]);
+        assert_eq!(triangulate(&pentagon), fan);
+        // Seen from behind, and tilted.
+        let turned = pentagon.map(|p| DVec3::new(p.y, p.x, p.z));
+        assert_eq!(triangulate(&turned), fan);
+        assert_eq!(
+            triangulate(&pentagon.map(|p| DVec3::new(p.y, p.x + p.y, p.x))),
+            fan
+        );
+    }
+
+    #[test]
+    fn concave_polygons_are_cut_inside() {
+        // An arrow head whose first corner does not see the third, and a comb.
+        let arrow = vec![(0.0, 0.0), (2.0, -1.0), (1.0, 0.0), (2.0, 1.0)];
+        let mut comb = vec![(20.5, -1.0)];
+        for tooth in 0..10 {
+            let x = f64::from(tooth);
+            comb.extend([(20.0 - 2.0 * x, 5.0), (19.0 - 2.0 * x, 0.0)]);
+        }
+        comb.push((0.0, -1.0));
+        for outline in [arrow, comb] {
+            for turn in 0..outline.len() {
+                let mut corners: Vec<DVec3> = outline
+                    .iter()
+                    .map(|&(x, y)| DVec3::new(x, 0.0, y))
+                    .collect();
+                corners.rotate_left(turn);
+                let triangles = triangulate(&corners).expect("cut");
+                assert_eq!(triangles.len(), corners.len() - 2);
+                // They cover the polygon once: none is wound the other way.
+                let single = triangles.iter().map(|&t| area(&corners, &[t]).length());
+                let whole = area(&corners, &triangles).length();
+                assert!((single.sum::<f64>() - whole).abs() < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn crossed_polygons_have_no_triangles() {
+        let bow_tie =
+            [(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 3.0)].map(|(x, y)| DVec3::new(x, y, 0.0));
+        assert_eq!(triangulate(&bow_tie), None);
+        assert_eq!(
+            triangulate(&[DVec3::ONE; 4]),
+            Some(vec![[0, 1, 2], [0, 2, 3]])
+        );
+    }
+}

@@ -1,0 +1,240 @@
+//! MTL material libraries, parsed by tobj.
+
+use super::error::InputError;
+use super::files::{InputFiles, relative_to};
+use super::statements::{Statements, numbers, text, words, write_statement};
+use super::unused::Unused;
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// A material of an MTL file.
+#[derive(Debug)]
+pub(super) struct ObjMaterial {
+    pub(super) diffuse: Vec3,
+    pub(super) texture: Option<ObjTexture>,
+    pub(super) specular: Vec3,
+    pub(super) shininess: f32,
+    pub(super) reflective: Vec3,
+}
+
+/// A texture of an MTL file and where it is named.
+#[derive(Debug)]
+pub(super) struct ObjTexture {
+    pub(super) file: PathBuf,
+    pub(super) library: PathBuf,
+    pub(super) key: String,
+}
+
+/// The largest exponent of a highlight.
+pub(super) const SHARPEST: f64 = 1e6;
+
+/// The libraries of one model.
+#[derive(Default)]
+pub(super) struct Libraries {
+    /// The materials of one library after the other, as tobj numbers them.
+    pub(super) materials: Vec<ObjMaterial>,
+    /// What they ask for and do not get.
+    pub(super) warnings: Vec<String>,
+}
+
+/// Materials, and their numbers by name.
+type Library = (Vec<tobj::Material>, HashMap<String, usize>);
+
+impl Libraries {
+    /// Reads a library that the model `from` names.
+    pub(super) fn load(
+        &mut self,
+        library: &Path,
+        from: &Path,
+        files: &mut InputFiles,
+    ) -> Result<Library, InputError> {
+        let bytes = files.read_reference(library, from, "mtllib")?;
+        let text = text(library, &bytes)?;
+        let mut is_named = false;
+        let mut statements = Statements::new(&text, |keyword, rest, out| {
+            is_named |= keyword == "newmtl";
+            if !is_named {
+                return Err(format!("`{keyword}` stands before the first `newmtl`"));
+            }
+            prepare(keyword, rest, out)
+        });
+        let loaded = match tobj::load_mtl_buf(&mut statements) {
+            Ok(loaded) => loaded,
+            Err(error) => return Err(statements.fault(library, error)),
+        };
+        let mut unused = Unused::default();
+        for (number, material) in loaded.0.iter().enumerate() {
+            if loaded.1[&material.name] != number {
+                unused.add("material whose name stands again below");
+            }
+            let resolved = resolve(library, material, &mut unused);
+            if resolved.texture.is_some() && resolved.diffuse == Vec3::ZERO {
+                self.warnings.push(format!(
+                    "{}: material \"{}\": Kd 0 0 0 makes its map_Kd black",
+                    library.display(),
+                    material.name
+                ));
+            }
+            self.materials.push(resolved);
+        }
+        self.warnings.extend(unused.warning(library));
+        Ok(loaded)
+    }
+}
+
+/// Checks a statement and writes it as tobj needs it, which takes colours of three numbers only.
+fn prepare(keyword: &str, rest: &str, out: &mut String) -> Result<(), String> {
+    match keyword {
+        // Ambient light meets the diffuse colour, and nothing is seen through.
+        "Ka" | "map_Ka" | "Ni" => {}
+        "Kd" | "Ks" | "Ke" => {
+            let words = words(rest);
+            match numbers(keyword, &words)?[..] {
+                [_] => write_statement(out, keyword, &[words[0]; 3]),
+                [_, _, _] => write_statement(out, keyword, &words),
+                _ => {
+                    let given = words.len();
+                    return Err(format!(
+                        "`{keyword}` has {given} numbers; it takes one or three"
+                    ));
+                }
+            }
+        }
+        "Ns" => match numbers(keyword, &words(rest))?[..] {
+            [_] => write_statement(out, keyword, &[rest]),
+            _ => return Err("`Ns` takes one number".to_owned()),
+        },
+        "map_Kd" if rest.starts_with('-') => {
+            let message = "`map_Kd`: options are not supported; write the file's name alone";
+            return Err(message.to_owned());
+        }
+        _ => write_statement(out, keyword, &[rest]),
+    }
+    Ok(())
+}
+
+/// Kd times map_Kd is diffuse. Ks and Ns are the highlight, unless `illum` says that there is none
+/// (0, 1). `illum` 3 and 5 ask for reflection: a mirror of the share Ks.
+fn resolve(library: &Path, material: &tobj::Material, unused: &mut Unused) -> ObjMaterial {
+    let illumination = material.illumination_model;
+    let others = [
+        ("Ke", material.emissive.is_some_and(|ke| ke != [0.0; 3])),
+        ("d", material.dissolve.is_some_and(|d| d < 1.0)),
+        ("map_d", material.dissolve_texture.is_some()),
+        ("map_Ks", material.specular_texture.is_some()),
+        ("map_Ns", material.shininess_texture.is_some()),
+        ("map_Bump", material.normal_texture.is_some()),
+        ("illum above 5", illumination.is_some_and(|i| i > 5)),
+    ];
+    let others = others.iter().filter(|(_, is)| *is).map(|(name, _)| *name);
+    for name in others.chain(material.unknown_param.keys().map(String::as_str)) {
+        unused.add(&format!("`{name}`"));
+    }
+    let mut color = |name: &str, value: Option<[f64; 3]>, default: f64| {
+        let color = DVec3::from_array(value.unwrap_or([default; 3]));
+        let clamped = color.clamp(DVec3::ZERO, DVec3::ONE);
+        if clamped != color {
+            unused.add(&format!("`{name}` beyond 0 to 1 (cut to it)"));
+        }
+        clamped.as_vec3()
+    };
+    let diffuse = color("Kd", material.diffuse, 1.0);
+    let specular = color("Ks", material.specular, 0.0);
+    let given = material.shininess.unwrap_or(0.0);
+    let shininess = given.clamp(0.0, SHARPEST);
+    if shininess != given {
+        unused.add(&format!("`Ns` beyond 0 to {SHARPEST} (cut to it)"));
+    }
+    ObjMaterial {
+        diffuse,
+        texture: material.diffuse_texture.as_ref().map(|name| ObjTexture {
+            file: relative_to(library, name),
+            library: library.to_owned(),
+            key: format!("material \"{}\": map_Kd", material.name),
+        }),
+        specular: match illumination {
+            Some(0 | 1) => Vec3::ZERO,
+            _ => specular,
+        },
+        shininess: shininess as f32,
+        reflective: match illumination {
+            Some(3 | 5) => specular,
+            _ => Vec3::ZERO,
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The materials of a library's text, and warnings.
+    fn load_text(text: &str) -> Result<Libraries, InputError> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("m.mtl");
+        std::fs::write(&file, text).expect("writable");
+        let mut libraries = Libraries::default();
+        let files = &mut InputFiles::default();
+        libraries.load(&file, Path::new("x.obj"), files)?;
+        Ok(libraries)
+    }
+
+    #[test]
+    fn faults() {
+        for (text, expected) in [
+            ("Kd 1 1 1\n", ":1: `Kd` stands before the first `newmtl`"),
+            ("newmtl\n", ":1: invalid object name"),
+            (
+                "newmtl a\nKd 1 1\n",
+                ":2: `Kd` has 2 numbers; it takes one or three",
+            ),
+            ("newmtl a\nKd\n", ":2: `Kd` has 0 numbers"),
+            (
+                "newmtl a\nKd spectral a.rfl\n",
+                ":2: `Kd`: spectral is not a number",
+            ),
+            (
+                "newmtl a\n\nKd xyz 1 1 1\n",
+                ":3: `Kd`: xyz is not a number",
+            ),
+            ("newmtl a\nKs 0 nan 0\n", ":2: `Ks`: nan is not a number"),
+            ("newmtl a\nNs inf\n", ":2: `Ns`: inf is not a number"),
+            ("newmtl a\nNs\n", ":2: `Ns` takes one number"),
+            ("newmtl a\nillum -1\n", ":2: material parse error"),
+            ("newmtl a\nmap_Kd\n", ":2: material parse error"),
+            (
+                "newmtl a\nmap_Kd -s 1 1 1 t.png\n",
+                ":2: `map_Kd`: options are not supported",
+            ),
+            ("newmtl a\nKd 1 1 \\\n1\nKd 1\0", ":4: holds a zero byte"),
+        ] {
+            let error = load_text(text).map(|_| ()).expect_err(text).to_string();
+            assert!(error.contains(&format!("m.mtl{expected}")), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_used_is_counted() {
+        let text = "\u{feff}newmtl a\n newmtl b\r\n\tKd 0.5\nKs 2 -1 1\nNs -3\nKe 1\nTr 1\n\
+                    map_kd t.png\nillum 7\nKa x y z\nnewmtl a\nKe 0\nKe 1 0 0\nNs 1e7\n";
+        let libraries = load_text(text).expect("three materials");
+        let [_, b, last] = &libraries.materials[..] else {
+            panic!("three materials")
+        };
+        assert_eq!(
+            (b.diffuse, b.specular),
+            (Vec3::splat(0.5), Vec3::new(1.0, 0.0, 1.0))
+        );
+        assert_eq!((b.shininess, last.shininess), (0.0, 1e6));
+        let [warning] = &libraries.warnings[..] else {
+            panic!("{:?}", libraries.warnings)
+        };
+        let (_, unused) = warning.split_once("m.mtl: ").expect("the file");
+        assert_eq!(
+            unused,
+            "not used: 2 `Ke`, 1 `Ks` beyond 0 to 1 (cut to it), 2 `Ns` beyond 0 to 1000000 (cut \
+             to it), 1 `Tr`, 1 `illum above 5`, 1 `map_kd`, 1 material whose name stands again below"
+        );
+    }
+}

@@ -1,0 +1,152 @@
+use super::check::LARGEST;
+use super::statements::{numbers, words, write_statement};
+use super::unused::Unused;
+
+/// Checks the statements of an OBJ file and counts what of it is not used.
+///
+/// tobj takes lines for polygons and an index that is out of range for one that is not given, and it
+/// cannot keep corners with and without normals, or texture coordinates, apart in one group of faces:
+/// so a group ends where the faces' form changes.
+#[derive(Default)]
+pub(super) struct ObjCheck {
+    /// How many `v`, `vt` and `vn` there are so far.
+    counts: [usize; 3],
+    form: Option<FaceForm>,
+    pub(super) unused: Unused,
+}
+
+/// Whether the corners of a face have texture coordinates, and normals.
+type FaceForm = [bool; 2];
+
+/// The indices of a corner as they stand in the file.
+type Corner = [Option<i64>; 3];
+
+/// What a corner's indices count.
+const LISTS: [&str; 3] = ["v", "vt", "vn"];
+
+impl ObjCheck {
+    /// Writes a statement as tobj needs it.
+    pub(super) fn prepare(
+        &mut self,
+        keyword: &str,
+        rest: &str,
+        out: &mut String,
+    ) -> Result<(), String> {
+        if let Some(list) = LISTS.iter().position(|&name| name == keyword) {
+            return self.vertex(list, &words(rest), out);
+        }
+        match keyword {
+            "f" => self.face(&words(rest), out),
+            "usemtl" | "mtllib" if rest.is_empty() => {
+                Err(format!("`{keyword}` has no name after it"))
+            }
+            "usemtl" | "mtllib" | "o" | "g" => {
+                write_statement(out, keyword, &[rest]);
+                Ok(())
+            }
+            // Groups of smoothing say what the normals say.
+            "s" => Ok(()),
+            _ => {
+                self.unused.add(&format!("`{keyword}`"));
+                Ok(())
+            }
+        }
+    }
+
+    fn vertex(&mut self, list: usize, words: &[&str], out: &mut String) -> Result<(), String> {
+        let keyword = LISTS[list];
+        let words = match (keyword, words.len()) {
+            ("v", 6) => {
+                self.unused.add("colours of `v`");
+                &words[..3]
+            }
+            ("vt", 3) => &words[..2],
+            _ => words,
+        };
+        let numbers = numbers(keyword, words)?;
+        match (keyword, &numbers[..]) {
+            ("v", [x, y, z, w]) if ![x, y, z].iter().all(|&x| (x / w).abs() <= LARGEST) => {
+                return Err(format!("`v`: its weight {w} takes it beyond {LARGEST:e}"));
+            }
+            ("v", [_, _, _] | [_, _, _, _]) | ("vt", [_, _]) | ("vn", [_, _, _]) => {
+                write_statement(out, keyword, words);
+            }
+            ("vt", [_]) => write_statement(out, keyword, &[words[0], "0"]),
+            _ => {
+                let wanted = [
+                    "three, and maybe a weight or a colour",
+                    "one to three",
+                    "three",
+                ][list];
+                let given = words.len();
+                return Err(format!(
+                    "`{keyword}` has {given} numbers; it takes {wanted}"
+                ));
+            }
+        }
+        self.counts[list] += 1;
+        Ok(())
+    }
+
+    fn face(&mut self, words: &[&str], out: &mut String) -> Result<(), String> {
+        let corners: Vec<Corner> = words
+            .iter()
+            .map(|word| self.corner(word))
+            .collect::<Result<_, _>>()?;
+        if corners.len() < 3 {
+            self.unused.add("`f` of fewer than three corners");
+            return Ok(());
+        }
+        let has = |corner: &Corner| [corner[1].is_some(), corner[2].is_some()];
+        let all = |i: usize| corners.iter().all(|corner| has(corner)[i]);
+        let form = [all(0), all(1)];
+        if corners.iter().any(|corner| has(corner) != form) {
+            self.unused
+                .add("`f` with texture coordinates or normals at some corners only: these");
+        }
+        if self.form.is_some_and(|last| last != form) {
+            out.push_str("g\n");
+        }
+        self.form = Some(form);
+        out.push('f');
+        for [v, vt, vn] in corners {
+            for (separator, index) in [
+                (" ", v),
+                ("/", vt.filter(|_| form[0])),
+                ("/", vn.filter(|_| form[1])),
+            ] {
+                out.push_str(separator);
+                if let Some(index) = index {
+                    out.push_str(&index.to_string());
+                }
+            }
+        }
+        out.push('\n');
+        Ok(())
+    }
+
+    /// The indices of a corner: `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    fn corner(&self, word: &str) -> Result<Corner, String> {
+        let mut corner = Corner::default();
+        for (i, index) in word.split('/').enumerate() {
+            if i >= corner.len() || (i == 0 && index.is_empty()) {
+                return Err(format!("`f`: {word} is not v, v/vt, v//vn or v/vt/vn"));
+            }
+            if index.is_empty() {
+                continue;
+            }
+            let count = self.counts[i];
+            corner[i] = match index.parse::<i64>() {
+                Ok(index) if index != 0 && index.unsigned_abs() <= count as u64 => Some(index),
+                _ => {
+                    let list = LISTS[i];
+                    return Err(format!(
+                        "`f`: {word} names `{list}` number {index}; {count} stand before it, \
+                         numbered from 1, or from -1 backwards"
+                    ));
+                }
+            };
+        }
+        Ok(corner)
+    }
+}

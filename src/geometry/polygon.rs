@@ -1,8 +1,12 @@
-use glam::{DVec2, DVec3, Vec3Swizzles};
+use glam::{DVec2, DVec3};
 
 /// Cutting takes a time that grows with the square of the corners, and in the worst case with the
 /// cube.
 const MOST_CORNERS: usize = 1024;
+
+/// Triangles of less than this share of the polygon may be wound the wrong way: nobody sees it, and
+/// corners in a line are often so.
+const NEGLIGIBLE: f64 = 1e-6;
 
 /// Cuts a polygon into triangles of its corners, wound as it is: into a fan around the first corner
 /// if that covers it, else by cutting off ears (Meisters 1975, "Polygons have ears"). There are three
@@ -14,7 +18,9 @@ pub fn triangulate(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     let mut left: Vec<usize> = (0..flat.len()).collect();
     let area = |[a, b, c]: [usize; 3]| (flat[b] - flat[a]).perp_dot(flat[c] - flat[a]);
     let fan = fan(flat.len());
-    if fan.iter().all(|&triangle| area(triangle) >= 0.0) {
+    let whole: f64 = fan.iter().map(|&triangle| area(triangle).abs()).sum();
+    let is_wound = |triangle| area(triangle) >= -NEGLIGIBLE * whole;
+    if fan.iter().all(|&triangle| is_wound(triangle)) {
         return Some(fan);
     }
     if flat.len() > MOST_CORNERS {
@@ -28,16 +34,15 @@ pub fn triangulate(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     while left.len() > 3 {
         let count = left.len();
         let triangle = |i: usize| [i, i + 1, i + 2].map(|i| left[i % count]);
-        let ear = (at..at + count).find(|&i| {
-            area(triangle(i)) >= 0.0 && !left.iter().any(|&p| is_inside(p, triangle(i)))
-        })?;
+        let ear = (at..at + count)
+            .find(|&i| is_wound(triangle(i)) && !left.iter().any(|&p| is_inside(p, triangle(i))))?;
         triangles.push(triangle(ear));
         left.remove((ear + 1) % count);
         at = ear;
     }
     let last = [left[0], left[1], left[2]];
     triangles.push(last);
-    (area(last) >= 0.0).then_some(triangles)
+    is_wound(last).then_some(triangles)
 }
 
 /// The triangles around the first of some corners.
@@ -45,25 +50,16 @@ pub fn fan(corners: usize) -> Vec<[usize; 3]> {
     (2..corners).map(|i| [0, i - 1, i]).collect()
 }
 
-/// The corners in the coordinate plane that shows the most of the polygon, so that they run
-/// counter-clockwise.
+/// The corners as they are seen against their mean normal, so that they run counter-clockwise.
 fn flattened(corners: &[DVec3]) -> Vec<DVec2> {
     let from = |p: DVec3| p - corners[0];
     let normal: DVec3 = corners
         .windows(2)
         .map(|pair| from(pair[0]).cross(from(pair[1])))
         .sum();
-    let axis = normal.abs().max_position();
-    let flat = corners.iter().map(|&p| match axis {
-        0 => from(p).yz(),
-        1 => from(p).zx(),
-        _ => from(p).xy(),
-    });
-    if normal[axis] >= 0.0 {
-        flat.collect()
-    } else {
-        flat.map(|p| DVec2::new(-p.x, p.y)).collect()
-    }
+    let (right, up) = normal.normalize_or(DVec3::Z).any_orthonormal_pair();
+    let flat = |p: DVec3| DVec2::new(p.dot(right), p.dot(up));
+    corners.iter().map(|&p| flat(from(p))).collect()
 }
 
 #[cfg(test)]

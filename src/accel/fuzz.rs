@@ -2,9 +2,45 @@
 //! finds.
 #![allow(clippy::print_stdout, reason = "the seed of a failure is shown")]
 
-use super::tests::{check_packets, sphere};
 use super::*;
 use crate::selftest::Random;
+use glam::{DMat3, Vec3Swizzles};
+
+/// Numbers that a fuzzer chooses, and then those of a generator.
+struct Numbers<'a> {
+    bytes: &'a [u8],
+    random: Random,
+}
+
+impl Numbers<'_> {
+    /// As [`Random::unit`].
+    fn unit(&mut self) -> f32 {
+        match self.bytes.split_first_chunk() {
+            Some((&[a, b, c], rest)) => {
+                self.bytes = rest;
+                u32::from_le_bytes([a, b, c, 0]) as f32 / (1 << 24) as f32
+            }
+            None => self.random.unit(),
+        }
+    }
+
+    fn vector(&mut self, size: f32) -> Vec3 {
+        Vec3::from_array([(); 3].map(|()| self.unit() - 0.5)) * 2.0 * size
+    }
+}
+
+/// Checks the scene of a fuzzer's bytes.
+#[cfg(fuzzing)]
+pub fn check_scene_of(bytes: &[u8]) {
+    let random = Random(0);
+    check_scene(&mut Numbers { bytes, random });
+}
+
+#[cfg(test)]
+fn check_scene_of_seed(seed: u64) {
+    let random = Random(seed);
+    check_scene(&mut Numbers { bytes: &[], random });
+}
 
 /// For as many seconds as FUZZ_SECONDS says. Run with `--ignored`.
 #[test]
@@ -21,7 +57,7 @@ fn fuzz() {
             .map_or(first * 1_000_003 + cases, |s| s.parse().expect("a number"));
         // Shown if it fails: set the variable to this number to see it fail again.
         println!("FUZZ_SEED={seed}");
-        check_scene(&mut Random(seed));
+        check_scene_of_seed(seed);
         cases += 1;
     }
     println!("{cases} scenes");
@@ -30,14 +66,14 @@ fn fuzz() {
 #[test]
 fn a_few_hostile_scenes() {
     for seed in 0..300 {
-        check_scene(&mut Random(seed * 7919));
+        check_scene_of_seed(seed * 7919);
     }
 }
 
 /// A scene of one kind of hostile shapes, at some scale and place, and rays that are aimed at what is
 /// hardest: corners, edges, along axes, from on the shapes.
-fn check_scene(random: &mut Random) {
-    let pick = |random: &mut Random, count: usize| (random.unit() * count as f32) as usize;
+fn check_scene(random: &mut Numbers) {
+    let pick = |random: &mut Numbers, count: usize| (random.unit() * count as f32) as usize;
     let scale = 10_f32.powi(pick(random, 13) as i32 - 6);
     let shift = random.vector(1.0) * scale * [0.0, 1.0, 1e3, 1e5][pick(random, 4)];
     let (triangle_count, sphere_count) = (pick(random, 200), pick(random, 3) * pick(random, 20));
@@ -116,6 +152,55 @@ fn check_scene(random: &mut Random) {
         check_packets(&bvh, &rays);
         for (ray, expected) in rays.iter().zip(&expected) {
             assert_eq!(bvh.closest(ray, &mut traversal), *expected, "{ray:?}");
+        }
+    }
+}
+
+pub(super) fn sphere(center: Vec3, radius: f64) -> Sphere {
+    Sphere {
+        center: center.as_dvec3(),
+        radius,
+        rotation: DMat3::IDENTITY,
+    }
+}
+
+/// Rays of a wave and of a packet find what they find alone: as they come, and side by side.
+pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
+    let mut traversal = Traversal::default();
+    let mut hits = vec![None; rays.len()];
+    bvh.closest_of_wave(rays, &mut hits, &mut traversal);
+    let mut occluded = vec![false; rays.len()];
+    bvh.occluded_of_packet(rays, &mut occluded, &mut traversal);
+    for ((ray, hit), occluded) in rays.iter().zip(hits).zip(occluded) {
+        assert_eq!(hit, bvh.closest(ray, &mut traversal), "{ray:?}");
+        assert_eq!(occluded, bvh.occluded(ray, &mut traversal), "{ray:?}");
+    }
+    let beside = |ray: &Ray, i: usize| {
+        let turned = ray.direction + ray.direction.yzx() * (i as f32 * 1e-3);
+        Ray::new(ray.origin, turned)
+    };
+    let beside: Vec<Ray> = rays
+        .iter()
+        .step_by(8)
+        .flat_map(|ray| (0..PACKET).map(move |i| beside(ray, i)))
+        .collect();
+    for rays in rays.chunks(PACKET).chain(beside.chunks(PACKET)) {
+        let mut hits = vec![None; rays.len()];
+        bvh.closest_of_packet(rays, &mut hits, &mut traversal);
+        for (ray, hit) in rays.iter().zip(&hits) {
+            assert_eq!(*hit, bvh.closest(ray, &mut traversal), "{ray:?}");
+        }
+        let shadow_rays: Vec<Ray> = (0..)
+            .zip(rays.iter().zip(&hits))
+            .map(|(i, (ray, hit))| Ray {
+                t_max: hit.map_or(1e30, |h| h.t as f32) * [0.5, 1.0, 2.0][i % 3],
+                ..*ray
+            })
+            .collect();
+        let mut occluded = vec![false; rays.len()];
+        bvh.occluded_of_packet(&shadow_rays, &mut occluded, &mut traversal);
+        for (ray, occluded) in shadow_rays.iter().zip(occluded) {
+            assert_eq!(occluded, bvh.occluded(ray, &mut traversal), "{ray:?}");
         }
     }
 }

@@ -109,7 +109,9 @@ const NOTHING: Hit = Hit {
     primitive: NO_PRIMITIVE,
 };
 
-#[cfg(test)]
+#[cfg(any(test, fuzzing))]
 mod fuzz;
+#[cfg(fuzzing)]
+pub use fuzz::check_scene_of;
 #[cfg(test)]
 mod tests;

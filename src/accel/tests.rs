@@ -1,17 +1,9 @@
 //! Against brute force in double precision, one by one and together, for every kernel.
 
+use super::fuzz::{check_packets, sphere};
 use super::node::Child;
 use super::*;
 use crate::selftest::{Random, disagreement};
-use glam::{DMat3, Vec3Swizzles};
-
-pub(super) fn sphere(center: Vec3, radius: f64) -> Sphere {
-    Sphere {
-        center: center.as_dvec3(),
-        radius,
-        rotation: DMat3::IDENTITY,
-    }
-}
 
 fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
     for kernel in Kernel::available() {
@@ -29,47 +21,6 @@ fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
                 let expected = hit.is_some_and(|h| h.t < f64::from(t_max));
                 assert_eq!(bvh.occluded(&shadow, &mut traversal), expected, "{ray:?}");
             }
-        }
-    }
-}
-
-/// Rays of a wave and of a packet find what they find alone: as they come, and side by side.
-pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
-    let mut traversal = Traversal::default();
-    let mut hits = vec![None; rays.len()];
-    bvh.closest_of_wave(rays, &mut hits, &mut traversal);
-    let mut occluded = vec![false; rays.len()];
-    bvh.occluded_of_packet(rays, &mut occluded, &mut traversal);
-    for ((ray, hit), occluded) in rays.iter().zip(hits).zip(occluded) {
-        assert_eq!(hit, bvh.closest(ray, &mut traversal), "{ray:?}");
-        assert_eq!(occluded, bvh.occluded(ray, &mut traversal), "{ray:?}");
-    }
-    let beside = |ray: &Ray, i: usize| {
-        let turned = ray.direction + ray.direction.yzx() * (i as f32 * 1e-3);
-        Ray::new(ray.origin, turned)
-    };
-    let beside: Vec<Ray> = rays
-        .iter()
-        .step_by(8)
-        .flat_map(|ray| (0..PACKET).map(move |i| beside(ray, i)))
-        .collect();
-    for rays in rays.chunks(PACKET).chain(beside.chunks(PACKET)) {
-        let mut hits = vec![None; rays.len()];
-        bvh.closest_of_packet(rays, &mut hits, &mut traversal);
-        for (ray, hit) in rays.iter().zip(&hits) {
-            assert_eq!(*hit, bvh.closest(ray, &mut traversal), "{ray:?}");
-        }
-        let shadow_rays: Vec<Ray> = (0..)
-            .zip(rays.iter().zip(&hits))
-            .map(|(i, (ray, hit))| Ray {
-                t_max: hit.map_or(1e30, |h| h.t as f32) * [0.5, 1.0, 2.0][i % 3],
-                ..*ray
-            })
-            .collect();
-        let mut occluded = vec![false; rays.len()];
-        bvh.occluded_of_packet(&shadow_rays, &mut occluded, &mut traversal);
-        for (ray, occluded) in shadow_rays.iter().zip(occluded) {
-            assert_eq!(occluded, bvh.occluded(ray, &mut traversal), "{ray:?}");
         }
     }
 }

@@ -259,6 +259,7 @@ mod tests {
         let odd = [
             plain.replace('\n', "\r\n"),
             format!("\u{feff}{plain}"),
+            format!("# C:\\models\\\n{plain}"),
             plain.replace(' ', "\t "),
             plain
                 .replace("1 0 0\n", "1 0 0 1 # weight\n")

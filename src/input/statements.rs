@@ -58,14 +58,18 @@ where
         }
     }
 
-    /// The next line and, if it ends in a backslash, those that continue it.
+    /// The next line and, if it ends in a backslash, those that continue it. Comments end at their
+    /// line's end, whatever they end in.
     fn next_statement(&mut self) -> Option<Cow<'a, str>> {
         let (number, first) = self.lines.next()?;
         self.line = number + 1;
         let mut statement = Cow::from(first);
-        while let Some(begun) = statement.trim_end().strip_suffix('\\') {
+        while statement.trim_end().ends_with('\\') && !first.trim_start().starts_with('#') {
             let (_, more) = self.lines.next().unwrap_or_default();
-            statement = format!("{begun} {more}").into();
+            let whole = statement.to_mut();
+            whole.truncate(whole.trim_end().len() - 1);
+            whole.push(' ');
+            whole.push_str(more);
         }
         Some(statement)
     }

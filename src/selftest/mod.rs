@@ -20,7 +20,7 @@ mod watertight;
 
 #[cfg(test)]
 pub(crate) use oracle::disagreement;
-#[cfg(test)]
+#[cfg(any(test, fuzzing))]
 pub(crate) use random::Random;
 
 use crate::accel::Kernel;

@@ -1,0 +1,83 @@
+//! What the fuzz targets share: a folder for input files, and a look at the scenes that are accepted.
+
+use flythrough::camera::{CameraPath, Interpolation, Keyframe, Orientation};
+use flythrough::input::{InputFiles, load_scene};
+use flythrough::integrator::Integrator;
+use flythrough::render::{PixelSampling, RenderSettings, render_frame};
+use flythrough::scene::Scene;
+use std::fs;
+use std::path::PathBuf;
+use std::sync::LazyLock;
+use tempfile::TempDir;
+
+/// An uncompressed TGA file of one red texel.
+const PICTURE: [u8; 21] = [
+    0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 24, 0, 0, 0, 255,
+];
+
+static FOLDER: LazyLock<TempDir> = LazyLock::new(|| {
+    let folder = tempfile::tempdir().expect("a place for files");
+    fs::write(folder.path().join("t.tga"), PICTURE).expect("writable");
+    folder
+});
+
+/// Writes a file into the folder of all input files, where a picture `t.tga` is.
+pub fn file(name: &str, bytes: &[u8]) -> PathBuf {
+    let file = FOLDER.path().join(name);
+    fs::write(&file, bytes).expect("writable");
+    file
+}
+
+/// Loads a scene and, if it is accepted, looks at it in both ways: all light is finite.
+pub fn look_at(scene: &[u8]) {
+    let loaded = load_scene(&file("s.ron", scene), &mut InputFiles::default());
+    match loaded {
+        Ok(input) => render(&input.scene),
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+fn render(scene: &Scene) {
+    let bounds = scene.bounds();
+    let (middle, size) = if scene.triangle_count() + scene.sphere_count() > 0 {
+        (
+            0.5 * (bounds.min.as_dvec3() + bounds.max.as_dvec3()),
+            bounds.max.as_dvec3() - bounds.min.as_dvec3(),
+        )
+    } else {
+        Default::default()
+    };
+    let target = scene.origin + middle;
+    let away = size.max_element().max(1e-6) * 1.5;
+    for eye in [target + away, target + 1e-3 * away] {
+        let key = Keyframe {
+            time: 0.0,
+            position: eye,
+            orientation: Orientation::LookAt(target),
+            field_of_view: 0.8,
+        };
+        // Far from the origin a small scene may have no room for a camera of its own.
+        let Ok(path) = CameraPath::new(1.0, Interpolation::Linear, &[key]) else {
+            continue;
+        };
+        for integrator in [
+            Integrator::RayTracing { bounces: 3 },
+            Integrator::MonteCarlo {
+                bounces: 3,
+                splits: vec![2],
+            },
+        ] {
+            let settings = RenderSettings {
+                width: 4,
+                height: 3,
+                integrator,
+                sampling: PixelSampling::Center,
+                seed: 0,
+            };
+            let rendered = render_frame(scene, &path.camera(0), &settings, 0, &|_| ());
+            for pixel in rendered.film.pixels() {
+                assert!(pixel.is_finite() && pixel.min_element() >= 0.0, "{pixel}");
+            }
+        }
+    }
+}

@@ -1,0 +1,26 @@
+#![no_main]
+//! The bytes are a camera path file: of those that are accepted the camera of every frame is one.
+
+use flythrough::input::{InputFiles, load_camera_path};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    let file = flythrough_fuzz::file("p.ron", bytes);
+    let Ok(input) = load_camera_path(&file, &mut InputFiles::default()) else {
+        return;
+    };
+    let frames = input.path.timeline().frame_count();
+    for frame in (0..frames)
+        .step_by(1 + frames as usize / 100)
+        .chain([frames - 1])
+    {
+        let camera = input.path.camera(frame);
+        assert!(camera.position.is_finite(), "{frame}: {camera:?}");
+        let turned = camera.rotation * camera.rotation.transpose();
+        assert!(
+            turned.abs_diff_eq(Default::default(), 1e-9),
+            "{frame}: {camera:?}"
+        );
+        let height = camera.half_height;
+        assert!(height > 0.0 && height.is_finite(), "{frame}: {camera:?}");
+    }
+});

@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test program uses its part")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+pub(crate) mod statistics;
+
 use flythrough::camera::{Camera, CameraPath, Interpolation, Keyframe, Orientation};
 use flythrough::input::{InputFiles, load_camera_path, load_scene};
 use flythrough::integrator::Integrator;
@@ -34,6 +36,20 @@ pub(crate) fn shipped_path(name: &str) -> CameraPath {
         .unwrap()
         .path
 }
+
+/// A square [-half, half] in x and z at height y, of one material.
+pub(crate) fn plate(y: f64, half: f64, material: &str) -> String {
+    format!(
+        "triangle(vertices: [(-{half}, {y}, {half}), ({half}, {y}, {half}), ({half}, {y}, -{half})], material: \"{material}\"),
+         triangle(vertices: [(-{half}, {y}, {half}), ({half}, {y}, -{half}), (-{half}, {y}, -{half})], material: \"{material}\"),"
+    )
+}
+
+pub(crate) fn light(position: &str, intensity: f64) -> String {
+    format!("(position: {position}, intensity: ({intensity}, {intensity}, {intensity})),")
+}
+
+pub(crate) const GREY: &str = "materials: {\"grey\": (diffuse: (0.5, 0.5, 0.5))},";
 
 /// A camera that looks from a point to another, its vertical field of view in degrees.
 pub(crate) fn camera(position: DVec3, target: DVec3, degrees: f64) -> Camera {

@@ -1,0 +1,165 @@
+//! Whether random estimates agree, and how fast they converge.
+
+use super::{render, settings};
+use flythrough::camera::Camera;
+use flythrough::integrator::Integrator;
+use flythrough::render::{PixelSampling, RenderSettings};
+use flythrough::scene::Scene;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// A mean and its standard error.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Estimate {
+    pub(crate) mean: f64,
+    pub(crate) error: f64,
+}
+
+impl Estimate {
+    /// Of what is known.
+    pub(crate) fn exact(mean: f64) -> Estimate {
+        Estimate { mean, error: 0.0 }
+    }
+}
+
+/// Settings with so many camera samples spread over each pixel.
+pub(crate) fn spread(
+    integrator: Integrator,
+    [width, height]: [u32; 2],
+    samples: u32,
+) -> RenderSettings {
+    RenderSettings {
+        sampling: PixelSampling::Spread(samples),
+        ..settings(integrator, width, height)
+    }
+}
+
+/// The channels of a picture's pixels.
+pub(crate) fn channels(pixels: &[Vec3]) -> Vec<f64> {
+    let channels = pixels.iter().flat_map(|pixel| pixel.to_array());
+    channels.map(f64::from).collect()
+}
+
+/// A picture's channels with each of some seeds.
+pub(crate) fn runs(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &RenderSettings,
+    seeds: std::ops::Range<u32>,
+) -> Vec<Vec<f64>> {
+    let with_seed = |seed| {
+        let settings = RenderSettings {
+            seed,
+            ..settings.clone()
+        };
+        channels(&render(scene, camera, &settings))
+    };
+    seeds.into_par_iter().map(with_seed).collect()
+}
+
+/// What independent runs estimate.
+pub(crate) fn estimates(runs: &[Vec<f64>]) -> Vec<Estimate> {
+    let n = runs.len() as f64;
+    let estimate = |i: usize| {
+        let mean = runs.iter().map(|run| run[i]).sum::<f64>() / n;
+        let squares: f64 = runs.iter().map(|run| (run[i] - mean).powi(2)).sum();
+        let error = (squares / (n - 1.0) / n).sqrt();
+        Estimate { mean, error }
+    };
+    (0..runs[0].len()).map(estimate).collect()
+}
+
+/// How well estimates agree with references: z is their difference over its standard error.
+#[derive(Debug)]
+pub(crate) struct Agreement {
+    /// The largest |z|.
+    pub(crate) worst: f64,
+    /// What chance exceeds anywhere once in a hundred times.
+    pub(crate) limit: f64,
+    /// The mean of z^2: 1, if both are unbiased and their errors right.
+    pub(crate) mean_square: f64,
+}
+
+impl Agreement {
+    /// Of estimates by `degrees + 1` runs, an even number, with references by no fewer or with the truth.
+    ///
+    /// Differences of `rounding` times the value are none.
+    pub(crate) fn of(
+        estimates: &[Estimate],
+        references: &[Estimate],
+        degrees: u32,
+        rounding: f64,
+    ) -> Agreement {
+        assert_eq!(estimates.len(), references.len());
+        let squares = estimates.iter().zip(references).map(|(a, b)| {
+            let rounding = rounding * b.mean;
+            (a.mean - b.mean).powi(2) / (a.error.powi(2) + b.error.powi(2) + rounding.powi(2))
+        });
+        // Black in both has no error at all.
+        let squares: Vec<f64> = squares.filter(|square| !square.is_nan()).collect();
+        let count = squares.len() as f64;
+        Agreement {
+            worst: squares.iter().copied().fold(0.0, f64::max).sqrt(),
+            limit: student(degrees, 1.0 - 0.99_f64.powf(1.0 / count)),
+            mean_square: squares.iter().sum::<f64>() / count,
+        }
+    }
+
+    /// Whether no single estimate is further off than chance allows (Sidak 1967).
+    pub(crate) fn holds(&self) -> bool {
+        self.worst <= self.limit
+    }
+}
+
+/// What the absolute value of Student's t exceeds with probability `p`; for odd `degrees` of freedom
+/// (Abramowitz and Stegun, "Handbook of Mathematical Functions", 26.7.3).
+pub(crate) fn student(degrees: u32, p: f64) -> f64 {
+    let exceeds = |t: f64| {
+        let (sin, cos) = (t / f64::from(degrees).sqrt()).atan().sin_cos();
+        let (mut term, mut sum) = (cos, 0.0);
+        for k in (3..=degrees).step_by(2) {
+            sum += term;
+            term *= cos * cos * f64::from(k - 1) / f64::from(k);
+        }
+        1.0 - 2.0 / PI * (sin.atan2(cos) + sin * sum)
+    };
+    let (mut low, mut high) = (0.0, 1e3);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        *(if exceeds(middle) > p {
+            &mut low
+        } else {
+            &mut high
+        }) = middle;
+    }
+    low
+}
+
+/// The slope of the logarithm of the mean error against the logarithm of the number of samples, by least
+/// squares; its own error by leaving out one run after the other (jackknife).
+///
+/// `errors` are those of independent runs, for numbers of samples each of which is twice the one before.
+pub(crate) fn slope(errors: &[Vec<f64>]) -> Estimate {
+    let middle = (errors.len() as f64 - 1.0) / 2.0;
+    let without = |left_out: Option<usize>| {
+        let (mut above, mut below) = (0.0, 0.0);
+        for (size, errors) in errors.iter().enumerate() {
+            let kept = (0..errors.len()).filter(|run| Some(*run) != left_out);
+            let sum: f64 = kept.map(|run| errors[run]).sum();
+            let x = size as f64 - middle;
+            above += x * sum.log2();
+            below += x * x;
+        }
+        above / below
+    };
+    let count = errors[0].len();
+    let mean = without(None);
+    let squares: f64 = (0..count)
+        .map(|run| (without(Some(run)) - mean).powi(2))
+        .sum();
+    Estimate {
+        mean,
+        error: (squares * (count as f64 - 1.0) / count as f64).sqrt(),
+    }
+}

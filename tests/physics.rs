@@ -84,19 +84,17 @@ fn only_what_is_between_throws_a_shadow() {
         )
         .x
     };
-    let lit = seen("");
-    assert!((lit - 0.5).abs() < 1e-5);
-    assert_eq!(
-        seen("sphere(radius: 0.3, center: (0, 1, 0), material: \"grey\"),"),
-        0.0
-    );
-    assert_eq!(
-        seen("sphere(radius: 0.3, center: (0, 3, 0), material: \"grey\"),"),
-        lit
-    );
-    assert_eq!(seen(&plate(2.5, 1.0, "grey")), lit);
+    let ball = |y: f64| format!("sphere(radius: 0.3, center: (0, {y}, 0), material: \"grey\"),");
+    assert_eq!(seen(&ball(1.0)), 0.0);
     // A light on a surface lights the surface's side that it is on.
-    assert_eq!(seen(&plate(2.0, 1.0, "grey")), lit);
+    for beyond in [
+        "",
+        &ball(3.0),
+        &plate(2.5, 1.0, "grey"),
+        &plate(2.0, 1.0, "grey"),
+    ] {
+        assert!((seen(beyond) - 0.5).abs() < 1e-6, "{beyond}");
+    }
 }
 
 /// Between two parallel mirrors of share r, with ambient light A and no lights: each of the

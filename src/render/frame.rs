@@ -5,7 +5,7 @@ use crate::film::Film;
 use crate::integrator::CameraSample;
 use crate::sampling::Sequence;
 use crate::scene::Scene;
-use glam::{DVec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 /// Tiles are squares of this many points: neighbours share what they touch in the cache, and there
@@ -50,7 +50,8 @@ pub fn render_frame(
         PixelSampling::Center | PixelSampling::Corners => 1,
     };
     let points = grid.fill(tile_done, |points, work| {
-        let mut sums = vec![Vec3::ZERO; points.len()];
+        // In double precision: a million equal numbers would not add up in single precision.
+        let mut sums = vec![DVec3::ZERO; points.len()];
         let mut batch = Vec::with_capacity(BATCH);
         let mut owners = Vec::with_capacity(BATCH);
         for (number, &(x, y)) in points.iter().enumerate() {
@@ -77,10 +78,8 @@ pub fn render_frame(
             }
         }
         work.add_radiance(scene, settings, &mut batch, &mut owners, &mut sums);
-        for sum in &mut sums {
-            *sum /= count as f32;
-        }
-        sums
+        let mean = |sum: DVec3| (sum / f64::from(count)).as_vec3();
+        sums.into_iter().map(mean).collect()
     });
     let mut film = Film::new(settings.width, settings.height);
     match settings.sampling {
@@ -133,7 +132,7 @@ impl Work {
         settings: &RenderSettings,
         batch: &mut Vec<CameraSample>,
         owners: &mut Vec<usize>,
-        sums: &mut [Vec3],
+        sums: &mut [DVec3],
     ) {
         let mut radiance = [Vec3::ZERO; BATCH];
         let radiance = &mut radiance[..batch.len()];
@@ -142,7 +141,7 @@ impl Work {
             .radiance(scene, batch, &mut self.traversal, radiance);
         for (owner, light) in owners.iter().zip(radiance) {
             if light.is_finite() {
-                sums[*owner] += *light;
+                sums[*owner] += light.as_dvec3();
             } else {
                 self.non_finite += 1;
             }

@@ -12,6 +12,7 @@ fi
 step() { printf '\n== %s\n' "$*"; }
 step Format
 cargo fmt --check
+cargo fmt --check --manifest-path tests/fuzz/Cargo.toml
 step Lints
 cargo clippy --quiet --all-targets -- -D warnings
 step Documentation

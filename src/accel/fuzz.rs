@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout, reason = "the seed of a failure is shown")]
 
 use super::*;
-use crate::selftest::Random;
+use crate::sampling::Random;
 use glam::{DMat3, Vec3Swizzles};
 
 /// Numbers that a fuzzer chooses, and then those of a generator.
@@ -32,13 +32,13 @@ impl Numbers<'_> {
 /// Checks the scene of a fuzzer's bytes.
 #[cfg(fuzzing)]
 pub fn check_scene_of(bytes: &[u8]) {
-    let random = Random(0);
+    let random = Random::new(0);
     check_scene(&mut Numbers { bytes, random });
 }
 
 #[cfg(test)]
 fn check_scene_of_seed(seed: u64) {
-    let random = Random(seed);
+    let random = Random::new(seed);
     check_scene(&mut Numbers { bytes: &[], random });
 }
 

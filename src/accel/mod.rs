@@ -15,6 +15,7 @@ mod found;
 mod kernel;
 mod lanes;
 mod node;
+mod oracle;
 mod packet;
 mod rounding;
 mod sight;
@@ -33,6 +34,7 @@ use stack::Stack;
 use triangle_block::TriangleBlock;
 
 pub use kernel::Kernel;
+pub use oracle::{disagreement, nearest_triangle};
 pub use sight::{Point, Points, Sight};
 pub use validate::TreeFault;
 

@@ -3,7 +3,7 @@
 use super::fuzz::{check_packets, sphere};
 use super::node::Child;
 use super::*;
-use crate::selftest::{Random, disagreement};
+use crate::sampling::Random;
 
 fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
     for kernel in Kernel::available() {
@@ -29,7 +29,7 @@ fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
 /// as rays find it one by one.
 #[test]
 fn sights_agree_with_single_rays() {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let triangles: Vec<[Vec3; 3]> = (0..300)
         .map(|_| {
             let at = random.vector(2.0);
@@ -106,7 +106,7 @@ fn random_rays(random: &mut Random, count: usize, size: f32) -> Vec<Ray> {
 
 #[test]
 fn random_triangles_and_spheres() {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     for (triangle_count, sphere_count) in [(1, 0), (0, 1), (7, 2), (9, 0), (100, 20), (3000, 300)] {
         let triangles: Vec<_> = (0..triangle_count)
             .map(|_| {
@@ -124,7 +124,7 @@ fn random_triangles_and_spheres() {
 
 #[test]
 fn nothing_is_hit_in_an_empty_scene() {
-    check(&[], &[], &random_rays(&mut Random(2), 10, 1.0));
+    check(&[], &[], &random_rays(&mut Random::new(2), 10, 1.0));
     assert_eq!(
         Bvh::new(&[], vec![], Kernel::default()).bounds(),
         Aabb::EMPTY
@@ -133,7 +133,7 @@ fn nothing_is_hit_in_an_empty_scene() {
 
 #[test]
 fn validation_finds_faults() {
-    let mut random = Random(6);
+    let mut random = Random::new(6);
     let triangles: Vec<_> = (0..200)
         .map(|_| {
             let at = random.vector(10.0);
@@ -178,7 +178,7 @@ fn validation_finds_faults() {
 /// They meet nothing that is worth a name, but a program that waits for them would never end.
 #[test]
 fn rays_that_are_no_numbers_find_an_end() {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     let mut triangle = || {
         let at = random.vector(1.0);
         [at, at + random.vector(0.3), at + random.vector(0.3)]

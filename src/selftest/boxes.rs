@@ -1,8 +1,7 @@
-use super::oracle::disagreement;
-use super::random::Random;
-use crate::accel::{Bvh, Kernel, Traversal};
+use crate::accel::{Bvh, Kernel, Traversal, disagreement};
 use crate::geometry::Sphere;
 use crate::math::Ray;
+use crate::sampling::Random;
 use glam::{DMat3, Vec3};
 use rayon::prelude::*;
 
@@ -43,7 +42,7 @@ fn random_spheres(random: &mut Random, count: usize, spread: f32) -> Vec<Sphere>
 
 /// Two scenes of random triangles and spheres, 500,000 rays each.
 pub(super) fn brute_force(kernel: Kernel) -> f64 {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut wrong = 0.0;
     for (triangle_count, sphere_count) in [(100, 10), (40, 40)] {
         let triangles = random_triangles(&mut random, triangle_count, 10.0, 3.0);
@@ -70,7 +69,7 @@ pub(super) fn along_axes(kernel: Kernel) -> f64 {
             triangles.push([at(0, 0), at(1, 1), at(0, 1)]);
         }
     }
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let mut rays = Vec::new();
     for axis in 0..3 {
         for small in [0.0, -0.0, 1e-38, -1e-38, 1e-45, -1e-45] {
@@ -92,7 +91,7 @@ pub(super) fn along_axes(kernel: Kernel) -> f64 {
 
 /// No tree, or hardly one.
 pub(super) fn small_scenes(kernel: Kernel) -> f64 {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let mut wrong = 0.0;
     for (triangle_count, sphere_count) in [
         (0, 0),
@@ -114,7 +113,7 @@ pub(super) fn small_scenes(kernel: Kernel) -> f64 {
 
 /// Triangles that no plane can part, and ones of very different sizes.
 pub(super) fn deep_trees(kernel: Kernel) -> f64 {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let around_one_point: Vec<_> = (0..100_000)
         .map(|i| {
             let (a, b) = (random.vector(1.0), random.vector(1.0));

@@ -1,17 +1,17 @@
-use super::random::Random;
 use super::shapes::Polyhedron;
 use super::stage::{first_hits, matte, sine};
 use crate::accel::{Bvh, Kernel, Traversal};
 use crate::geometry::{Mesh, Transform};
 use crate::material::Only;
 use crate::math::Ray;
+use crate::sampling::Random;
 use crate::scene::SceneBuilder;
 use glam::{DVec3, Vec3};
 
 /// Rays that lie in a triangle's plane, some along its edges, all numbers whole and so exact; and rays to
 /// triangles whose corners coincide or lie in line: none of them meets anything.
 pub(super) fn edge_on(kernel: Kernel) -> f64 {
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let mut traversal = Traversal::default();
     let mut hits = 0;
     for _ in 0..2000 {
@@ -69,7 +69,7 @@ pub(super) fn slivers(kernel: Kernel) -> f64 {
         ],
         faces: vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [5, 6, 1], [5, 1, 0]],
     };
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     let mut traversal = Traversal::default();
     let mut misses = 0;
     for scale in [1e-6, 1.0, 1e6] {
@@ -95,7 +95,7 @@ pub(super) fn slivers(kernel: Kernel) -> f64 {
 /// Long triangles with corners in whole numbers, whose exact normals are whole numbers, too. Single
 /// precision writes a unit vector to 6e-8 in each coordinate.
 pub(super) fn sliver_normals(_: Kernel) -> f64 {
-    let mut random = Random(4);
+    let mut random = Random::new(4);
     let mut worst: f64 = 0.0;
     for _ in 0..20_000 {
         let mut whole = |size: i64| [0; 3].map(|_| random.whole(size));
@@ -132,7 +132,7 @@ pub(super) fn coincident(kernel: Kernel) -> f64 {
     let triangles: Vec<_> = (0..100_000).map(|i| orders[i % 4]).collect();
     let bvh = Bvh::new(&triangles, vec![], kernel);
     let mut traversal = Traversal::default();
-    let mut random = Random(6);
+    let mut random = Random::new(6);
     let mut others = 0;
     for _ in 0..10 {
         let (u, v) = (0.5 * random.unit(), 0.5 * random.unit());

@@ -1,14 +1,12 @@
-use super::oracle::nearest_triangle;
-use super::random::Random;
 use super::shapes::Polyhedron;
 use super::stage::{lamp, matte, perfect_mirror};
-use crate::accel::{Kernel, Traversal};
+use crate::accel::{Kernel, Traversal, nearest_triangle};
 use crate::geometry::{Sphere, Transform};
 use crate::integrator::{CameraSample, Integrator};
 use crate::light::{Falloff, PointLight};
 use crate::material::Material;
 use crate::math::Ray;
-use crate::sampling::Sequence;
+use crate::sampling::{Random, Sequence};
 use crate::scene::{Scene, SceneBuilder, SourceMesh};
 use glam::{DMat3, DVec3, Vec3};
 use std::f64::consts::PI;
@@ -106,7 +104,7 @@ pub(super) fn mirror_corridor(kernel: Kernel) -> f64 {
         ..SceneBuilder::default()
     };
     let (scene, _) = builder.build();
-    let mut random = Random(12);
+    let mut random = Random::new(12);
     let mut worst: f64 = 0.0;
     for n in -4..=4_i32 {
         let x = 2.0 * f64::from(n) + if n % 2 == 0 { 0.3 } else { -0.3 };
@@ -137,7 +135,7 @@ pub(super) fn mirror_corridor(kernel: Kernel) -> f64 {
 /// A perfect mirror close above a bright floor, both level or turned, seen at 89.99 and 89.9999 degrees from
 /// its normal: it shows the background, all of it, and nothing of the floor.
 pub(super) fn grazing_mirror(kernel: Kernel) -> f64 {
-    let mut random = Random(13);
+    let mut random = Random::new(13);
     let mut worst: f64 = 0.0;
     for angle in [0.0, 0.7] {
         let turn = Transform::new(DVec3::ONE, DVec3::splat(angle), DVec3::ZERO);
@@ -242,7 +240,7 @@ pub(super) fn sphere_interior(kernel: Kernel) -> f64 {
         ..SceneBuilder::default()
     };
     let (scene, _) = builder.build();
-    let mut random = Random(14);
+    let mut random = Random::new(14);
     let mut worst: f64 = 0.0;
     for bounces in [0, 1, 2, 3, 4, 20] {
         let exact = 1.0 - 0.5_f64.powi(bounces as i32 + 1);
@@ -258,7 +256,7 @@ pub(super) fn sphere_interior(kernel: Kernel) -> f64 {
 /// Under a sky of 1 a ball of albedo a has the light a, a mirror's 1, and a mixture its share of both;
 /// never more than 1.
 pub(super) fn furnace(kernel: Kernel) -> f64 {
-    let mut random = Random(15);
+    let mut random = Random::new(15);
     let mut worst: f64 = 0.0;
     for albedo in [0.0_f32, 0.3, 0.8, 1.0] {
         for share in [0.0_f32, 0.5, 1.0] {

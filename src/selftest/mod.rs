@@ -8,8 +8,6 @@ mod boxes;
 mod degenerate;
 mod frames;
 mod light;
-mod oracle;
-mod random;
 mod room;
 mod shapes;
 mod spheres;
@@ -17,11 +15,6 @@ mod stage;
 mod surfaces;
 mod textures;
 mod watertight;
-
-#[cfg(test)]
-pub(crate) use oracle::disagreement;
-#[cfg(any(test, fuzzing))]
-pub(crate) use random::Random;
 
 use crate::accel::Kernel;
 use rayon::prelude::*;

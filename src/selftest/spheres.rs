@@ -1,4 +1,3 @@
-use super::random::Random;
 use super::stage::{lamp, looking, matte};
 use crate::accel::{Bvh, Kernel, Traversal};
 use crate::camera::Camera;
@@ -6,6 +5,7 @@ use crate::geometry::Sphere;
 use crate::integrator::Integrator;
 use crate::math::Ray;
 use crate::render::{PixelSampling, RenderSettings, render_frame};
+use crate::sampling::Random;
 use crate::scene::SceneBuilder;
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
@@ -66,7 +66,7 @@ fn sphere(center: DVec3, radius: f64) -> Sphere {
 /// Wrong hits and misses, and the largest error of a distance in radii, of lines to spheres: from inside,
 /// from the surface itself, and from 1 to 1e6 radii away; of 4e-6 to 1e12 m; one sphere alone, and in a tree.
 fn against_exact(kernel: Kernel) -> (usize, f64) {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut traversal = Traversal::default();
     let (mut wrong, mut worst) = (0, 0.0_f64);
     for ratio in [0, 1, 2, 10, 1000, 10_000, 1_000_000] {
@@ -153,7 +153,7 @@ pub(super) fn tangents(kernel: Kernel) -> f64 {
 /// inside, whatever their order in the scene.
 pub(super) fn concentric(kernel: Kernel) -> f64 {
     const RADII: [i64; 2] = [10_000, 10_001];
-    let mut random = Random(2);
+    let mut random = Random::new(2);
     let mut traversal = Traversal::default();
     let mut wrong = 0;
     for outer in [0, 1] {

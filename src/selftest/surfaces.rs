@@ -1,4 +1,3 @@
-use super::random::Random;
 use super::shapes::Polyhedron;
 use super::stage::{first_hits, lamp, matte, white_scene};
 use crate::accel::{Kernel, Point};
@@ -6,7 +5,7 @@ use crate::geometry::{Sphere, Transform};
 use crate::integrator::{CameraSample, Integrator};
 use crate::material::Only;
 use crate::math::{NO_PRIMITIVE, Ray, to_world};
-use crate::sampling::{Sequence, cosine_hemisphere};
+use crate::sampling::{Random, Sequence, cosine_hemisphere};
 use crate::scene::{Scene, SceneBuilder};
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -37,7 +36,7 @@ fn leaving(scene: &Scene, rays: &[Ray], random: &mut Random) -> Vec<Ray> {
 fn in_parts(count: impl Fn(&mut Random) -> usize + Sync) -> usize {
     (0..1000)
         .into_par_iter()
-        .map(|part| count(&mut Random(part)))
+        .map(|part| count(&mut Random::new(part)))
         .sum()
 }
 
@@ -111,7 +110,7 @@ pub(super) fn leaving_spheres(kernel: Kernel) -> f64 {
             };
             let (scene, _) = builder.build();
             let origin = sphere.center - scene.origin;
-            let mut random = Random(7);
+            let mut random = Random::new(7);
             for distance in [0.5, 1.5, 3.0, 100.0] {
                 let rays = (0..3000).map(|_| {
                     let eye = radius * distance * random.point().normalize_or(DVec3::X);
@@ -207,7 +206,7 @@ pub(super) fn thin_wall(kernel: Kernel) -> f64 {
         ..SceneBuilder::default()
     };
     let (scene, _) = builder.build();
-    let mut random = Random(8);
+    let mut random = Random::new(8);
     let mut wrong = 0;
     for i in 0..10_000 {
         let is_in_front = i % 2 == 0;

@@ -1,10 +1,10 @@
-use super::random::Random;
 use super::stage::{first_hits, matte};
 use crate::accel::Kernel;
 use crate::geometry::Sphere;
 use crate::material::{Material, Only};
 use crate::math::Ray;
 use crate::math::color::srgb_to_linear;
+use crate::sampling::Random;
 use crate::scene::{MeshMaterial, SceneBuilder, SourceMesh};
 use crate::texture::Texture;
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
@@ -20,7 +20,7 @@ pub(super) struct Picture {
 impl Picture {
     /// Texels of any colour.
     pub(super) fn colorful(width: usize, height: usize) -> Picture {
-        let mut random = Random(9);
+        let mut random = Random::new(9);
         let texels = (0..width * height).map(|_| [0; 3].map(|_| random.below(256) as u8));
         Picture {
             width,
@@ -121,7 +121,7 @@ pub(super) fn poles_and_seam(kernel: Kernel) -> f64 {
         ..SceneBuilder::default()
     };
     let (scene, _) = builder.build();
-    let mut random = Random(10);
+    let mut random = Random::new(10);
     let mut worst: f64 = 0.0;
     for i in 0..6000 {
         let angle = PI * f64::from(random.unit());
@@ -155,7 +155,7 @@ pub(super) fn poles_and_seam(kernel: Kernel) -> f64 {
 /// colour is that of the mixed coordinate.
 pub(super) fn equal_corners(kernel: Kernel) -> f64 {
     let picture = Picture::colorful(8, 8);
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let mut worst: f64 = 0.0;
     for uvs in [
         [Vec2::new(0.3, 0.7); 3],

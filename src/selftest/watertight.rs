@@ -1,10 +1,10 @@
-use super::random::Random;
 use super::shapes::Polyhedron;
 use super::stage::{first_hits, sine, white_scene};
 use crate::accel::{Bvh, Kernel, Traversal};
 use crate::geometry::Transform;
 use crate::material::Only;
 use crate::math::Ray;
+use crate::sampling::Random;
 use glam::{DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -12,7 +12,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 /// poles of a globe. At least one triangle is there, as far away as the corner is, and no matter which
 /// of them comes first.
 pub(super) fn vertices_and_edges(kernel: Kernel) -> f64 {
-    let mut random = Random(1);
+    let mut random = Random::new(1);
     let mut wrong = 0;
     let mut traversal = Traversal::default();
     let mut count = |bvh: &Bvh, reversed: &Bvh, ray: &Ray, expected: f64| {
@@ -137,7 +137,7 @@ fn rays_to_edges(
     triangles: &[[Vec3; 3]],
     place: impl Fn(DVec3) -> Vec3,
 ) -> impl Iterator<Item = Ray> {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     (0..20_000).map(move |i| {
         let face = triangles[i % triangles.len()];
         let along = [0.0, random.unit()][i % 2];

@@ -1,10 +1,16 @@
 use glam::{DVec3, Vec3};
 
-/// A small generator, so that every run does the same: the upper bits of a linear congruential
-/// sequence (constants of D. Knuth's MMIX).
-pub(crate) struct Random(pub(crate) u64);
+/// Numbers that look like chance, the same in every run, where there is no film position to draw for: the
+/// upper bits of a linear congruential sequence (constants of D. Knuth's MMIX).
+#[derive(Clone, Debug)]
+pub struct Random(u64);
 
 impl Random {
+    /// The numbers of a seed.
+    pub fn new(seed: u64) -> Random {
+        Random(seed)
+    }
+
     fn next(&mut self) -> u64 {
         self.0 = self
             .0
@@ -14,27 +20,27 @@ impl Random {
     }
 
     /// A number in [0, 1).
-    pub(crate) fn unit(&mut self) -> f32 {
+    pub fn unit(&mut self) -> f32 {
         (self.next() >> 40) as f32 / (1 << 24) as f32
     }
 
     /// A point of the box from -`size` to `size`.
-    pub(crate) fn vector(&mut self, size: f32) -> Vec3 {
+    pub fn vector(&mut self, size: f32) -> Vec3 {
         Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0 * size
     }
 
     /// As [`Random::vector`], of side 1.
-    pub(super) fn point(&mut self) -> DVec3 {
+    pub fn point(&mut self) -> DVec3 {
         self.vector(1.0).as_dvec3()
     }
 
     /// A whole number below `count`.
-    pub(super) fn below(&mut self, count: usize) -> usize {
+    pub fn below(&mut self, count: usize) -> usize {
         (((self.next() >> 32) * count as u64) >> 32) as usize
     }
 
     /// A whole number from -`size` to `size`.
-    pub(super) fn whole(&mut self, size: i64) -> i64 {
+    pub fn whole(&mut self, size: i64) -> i64 {
         self.below(2 * size as usize + 1) as i64 - size
     }
 }

@@ -1,3 +1,5 @@
+//! What all shapes, one after the other, say of a ray: triangles in another way and in double precision.
+
 use crate::geometry::{Hit, Sphere};
 use crate::math::Ray;
 use glam::Vec3;
@@ -32,7 +34,7 @@ fn margin([u, v]: [f64; 2]) -> f64 {
 ///
 /// A triangle that is passed well inside its edges must be hit or be behind the hit; what was hit must
 /// really be there.
-pub(crate) fn disagreement(
+pub fn disagreement(
     triangles: &[[Vec3; 3]],
     spheres: &[Sphere],
     ray: &Ray,
@@ -64,10 +66,7 @@ pub(crate) fn disagreement(
 }
 
 /// The nearest triangle that a ray passes through, where, and the weights of its second and third corner.
-pub(super) fn nearest_triangle(
-    ray: &Ray,
-    triangles: &[[Vec3; 3]],
-) -> Option<(usize, f64, [f64; 2])> {
+pub fn nearest_triangle(ray: &Ray, triangles: &[[Vec3; 3]]) -> Option<(usize, f64, [f64; 2])> {
     let met = triangles
         .iter()
         .enumerate()

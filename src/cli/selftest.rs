@@ -22,7 +22,7 @@ pub(super) fn run() -> Result<Status, Failure> {
 
 fn print(found: impl Iterator<Item = (usize, Vec<f64>)>) -> Result<Status, Failure> {
     let mut out = std::io::stdout();
-    write!(out, "{:42} {:34} {:>7}", "case", "measured", "limit")?;
+    write!(out, "{:45} {:34} {:>7}", "case", "measured", "limit")?;
     for kernel in Kernel::available() {
         write!(out, " {kernel:>9}")?;
     }
@@ -38,7 +38,7 @@ fn print(found: impl Iterator<Item = (usize, Vec<f64>)>) -> Result<Status, Failu
                 writeln!(out, "{}", case.group)?;
             }
             let limit = short(case.limit);
-            write!(out, "  {:40} {:34} {limit:>7}", case.name, case.measures)?;
+            write!(out, "  {:43} {:34} {limit:>7}", case.name, case.measures)?;
             for value in &worst {
                 write!(out, " {:>9}", short(*value))?;
             }

@@ -1,32 +1,15 @@
 use super::shapes::Polyhedron;
-use super::stage::{lamp, matte, perfect_mirror};
-use crate::accel::{Kernel, Traversal, nearest_triangle};
+use super::stage::{DIRECT, lamp, matte, perfect_mirror, seen};
+use crate::accel::{Kernel, nearest_triangle};
 use crate::geometry::{Sphere, Transform};
-use crate::integrator::{CameraSample, Integrator};
+use crate::integrator::Integrator;
 use crate::light::{Falloff, PointLight};
 use crate::material::Material;
 use crate::math::Ray;
-use crate::sampling::{Random, Sequence};
-use crate::scene::{Scene, SceneBuilder, SourceMesh};
+use crate::sampling::Random;
+use crate::scene::{SceneBuilder, SourceMesh};
 use glam::{DMat3, DVec3, Vec3};
 use std::f64::consts::PI;
-
-const DIRECT: Integrator = Integrator::RayTracing { bounces: 0 };
-
-/// The light that comes to `eye` along `direction`.
-fn seen(scene: &Scene, integrator: &Integrator, eye: DVec3, direction: DVec3) -> Vec3 {
-    let sample = CameraSample {
-        ray: Ray::new(
-            (eye - scene.origin).as_vec3(),
-            direction.normalize().as_vec3(),
-        ),
-        sequence: Sequence::new(0, 0, 0, 0),
-        index: 0,
-    };
-    let mut radiance = [Vec3::ZERO];
-    integrator.radiance(scene, &[sample], &mut Traversal::default(), &mut radiance);
-    radiance[0]
-}
 
 /// Eighty triangles with the normals of a sphere, lit from the side. Convex, so nothing shades anything:
 /// a point has the light of its interpolated normal where the lamp is before its triangle, and none where

@@ -95,7 +95,7 @@ cases! {
         deep_trees, "100,000 equal centres; huge among tiny": "other answers, faults", at most 0.0;
     }
     spheres {
-        hits_and_misses, "1e-6 to 1e6 radii away, exact arithmetic": "wrong hits and misses", at most 0.0;
+        hits_and_misses, "0 to 1e6 radii away, exact arithmetic": "wrong hits and misses", at most 0.0;
         distances, "their distances": "error, in radii", at most 1e-6;
         tangents, "tangents, within 4 ulp": "error, in radii; 1 if wrong", at most 1e-6;
         concentric, "radii of 10,000 and 10,001": "wrong order", at most 0.0;

@@ -2,9 +2,11 @@ use super::shapes::Polyhedron;
 use crate::accel::{Kernel, Traversal};
 use crate::camera::{Camera, CameraPath, Interpolation, Keyframe, Orientation};
 use crate::geometry::Hit;
+use crate::integrator::{CameraSample, Integrator};
 use crate::light::{Falloff, PointLight};
 use crate::material::Material;
 use crate::math::Ray;
+use crate::sampling::Sequence;
 use crate::scene::{Scene, SceneBuilder};
 use glam::{DVec3, Vec3};
 
@@ -73,4 +75,22 @@ pub(super) fn sine(unit: Vec3, exact: DVec3) -> f64 {
     // Scaled first, as its square may be too small or too large.
     let exact = (exact / exact.abs().max_element()).normalize();
     unit.as_dvec3().cross(exact).length()
+}
+
+/// Direct light alone.
+pub(super) const DIRECT: Integrator = Integrator::RayTracing { bounces: 0 };
+
+/// The light that comes to `eye` along `direction`.
+pub(super) fn seen(scene: &Scene, integrator: &Integrator, eye: DVec3, direction: DVec3) -> Vec3 {
+    let sample = CameraSample {
+        ray: Ray::new(
+            (eye - scene.origin).as_vec3(),
+            direction.normalize().as_vec3(),
+        ),
+        sequence: Sequence::new(0, 0, 0, 0),
+        index: 0,
+    };
+    let mut radiance = [Vec3::ZERO];
+    integrator.radiance(scene, &[sample], &mut Traversal::default(), &mut radiance);
+    radiance[0]
 }

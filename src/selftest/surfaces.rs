@@ -1,11 +1,10 @@
 use super::shapes::Polyhedron;
-use super::stage::{first_hits, lamp, matte, white_scene};
+use super::stage::{DIRECT, first_hits, lamp, matte, seen, white_scene};
 use crate::accel::{Kernel, Point};
 use crate::geometry::{Sphere, Transform};
-use crate::integrator::{CameraSample, Integrator};
 use crate::material::Only;
 use crate::math::{NO_PRIMITIVE, Ray, to_world};
-use crate::sampling::{Random, Sequence, cosine_hemisphere};
+use crate::sampling::{Random, cosine_hemisphere};
 use crate::scene::{Scene, SceneBuilder};
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -175,13 +174,11 @@ pub(super) fn closed_corner(kernel: Kernel) -> f64 {
                 Ray::new((eye - scene.origin).as_vec3(), way.normalize().as_vec3())
             });
             let mut rays: Vec<Ray> = rays.collect();
-            let mut lost = 0;
+            let set_out = rays.len();
             for _bounce in 0..4 {
-                let left = leaving(&scene, &rays, random);
-                lost += rays.len() - left.len();
-                rays = left;
+                rays = leaving(&scene, &rays, random);
             }
-            lost
+            set_out - first_hits(&scene, &rays).iter().flatten().count()
         });
     }
     escapes as f64
@@ -212,16 +209,8 @@ pub(super) fn thin_wall(kernel: Kernel) -> f64 {
         let is_in_front = i % 2 == 0;
         let eye = DVec3::new(if is_in_front { 1002.0 } else { 998.0 }, 0.0, 0.0);
         let target = DVec3::new(1000.3, 1.9 * random.point().y, 1.9 * random.point().z);
-        let direction = (target - eye).normalize().as_vec3();
-        let sample = CameraSample {
-            ray: Ray::new((eye - scene.origin).as_vec3(), direction),
-            sequence: Sequence::new(0, 0, 0, 0),
-            index: 0,
-        };
-        let mut light = [Vec3::ZERO];
-        let integrator = Integrator::RayTracing { bounces: 0 };
-        integrator.radiance(&scene, &[sample], &mut Default::default(), &mut light);
-        wrong += usize::from((light[0].x > 0.0) != is_in_front);
+        let light = seen(&scene, &DIRECT, eye, target - eye).x;
+        wrong += usize::from((light > 0.0) != is_in_front);
     }
     wrong as f64
 }

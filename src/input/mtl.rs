@@ -52,18 +52,18 @@ impl Libraries {
         let bytes = files.read_reference(library, from, "mtllib")?;
         let text = text(library, &bytes)?;
         let mut is_named = false;
+        let mut unused = Unused::default();
         let mut statements = Statements::new(&text, |keyword, rest, out| {
             is_named |= keyword == "newmtl";
             if !is_named {
                 return Err(format!("`{keyword}` stands before the first `newmtl`"));
             }
-            prepare(keyword, rest, out)
+            prepare(keyword, rest, out, &mut unused)
         });
         let loaded = match tobj::load_mtl_buf(&mut statements) {
             Ok(loaded) => loaded,
             Err(error) => return Err(statements.fault(library, error)),
         };
-        let mut unused = Unused::default();
         for (number, material) in loaded.0.iter().enumerate() {
             if loaded.1[&material.name] != number {
                 unused.add("material whose name stands again below");
@@ -83,33 +83,46 @@ impl Libraries {
     }
 }
 
-/// Checks a statement and writes it as tobj needs it, which takes colours of three numbers only.
-fn prepare(keyword: &str, rest: &str, out: &mut String) -> Result<(), String> {
+/// Checks a statement that is used and writes it as tobj needs it, which takes colours of three numbers
+/// only; counts others, if they ask for anything.
+fn prepare(keyword: &str, rest: &str, out: &mut String, unused: &mut Unused) -> Result<(), String> {
+    let words = words(rest);
     match keyword {
-        // Ambient light meets the diffuse colour, and nothing is seen through.
-        "Ka" | "map_Ka" | "Ni" => {}
-        "Kd" | "Ks" | "Ke" => {
-            let words = words(rest);
-            match numbers(keyword, &words)?[..] {
-                [_] => write_statement(out, keyword, &[words[0]; 3]),
-                [_, _, _] => write_statement(out, keyword, &words),
-                _ => {
-                    let given = words.len();
-                    return Err(format!(
-                        "`{keyword}` has {given} numbers; it takes one or three"
-                    ));
-                }
+        "newmtl" if rest.is_empty() => return Err("`newmtl` has no name after it".to_owned()),
+        "newmtl" => write_statement(out, keyword, &[rest]),
+        "Kd" | "Ks" | "Ke" => match numbers(keyword, &words)?[..] {
+            [0.0] | [0.0, 0.0, 0.0] if keyword == "Ke" => {}
+            [_] | [_, _, _] if keyword == "Ke" => unused.add("`Ke`"),
+            [_] => write_statement(out, keyword, &[words[0]; 3]),
+            [_, _, _] => write_statement(out, keyword, &words),
+            _ => {
+                let given = words.len();
+                return Err(format!(
+                    "`{keyword}` has {given} numbers; it takes one or three"
+                ));
             }
-        }
-        "Ns" => match numbers(keyword, &words(rest))?[..] {
-            [_] => write_statement(out, keyword, &[rest]),
+        },
+        "Ns" => match numbers(keyword, &words)?[..] {
+            [_] => write_statement(out, keyword, &[words[0]]),
             _ => return Err("`Ns` takes one number".to_owned()),
         },
+        "illum" => match words[..] {
+            [model @ ("0" | "1" | "2" | "3" | "4" | "5")] => {
+                write_statement(out, keyword, &[model]);
+            }
+            ["6" | "7" | "8" | "9" | "10"] => unused.add("`illum` above 5"),
+            _ => return Err("`illum` takes a whole number from 0 to 10".to_owned()),
+        },
+        "map_Kd" if rest.is_empty() => return Err("`map_Kd` names no file".to_owned()),
         "map_Kd" if rest.starts_with('-') => {
             let message = "`map_Kd`: options are not supported; write the file's name alone";
             return Err(message.to_owned());
         }
-        _ => write_statement(out, keyword, &[rest]),
+        "map_Kd" => write_statement(out, keyword, &[rest]),
+        // Ambient light meets the diffuse colour, and nothing is seen through.
+        "Ka" | "map_Ka" | "Ni" => {}
+        "d" if matches!(words[..], [d] if d.parse().is_ok_and(|d: f64| d >= 1.0)) => {}
+        _ => unused.add(&format!("`{keyword}`")),
     }
     Ok(())
 }
@@ -118,19 +131,6 @@ fn prepare(keyword: &str, rest: &str, out: &mut String) -> Result<(), String> {
 /// (0, 1). `illum` 3 and 5 ask for reflection: a mirror of the share Ks.
 fn resolve(library: &Path, material: &tobj::Material, unused: &mut Unused) -> ObjMaterial {
     let illumination = material.illumination_model;
-    let others = [
-        ("Ke", material.emissive.is_some_and(|ke| ke != [0.0; 3])),
-        ("d", material.dissolve.is_some_and(|d| d < 1.0)),
-        ("map_d", material.dissolve_texture.is_some()),
-        ("map_Ks", material.specular_texture.is_some()),
-        ("map_Ns", material.shininess_texture.is_some()),
-        ("map_Bump", material.normal_texture.is_some()),
-        ("illum above 5", illumination.is_some_and(|i| i > 5)),
-    ];
-    let others = others.iter().filter(|(_, is)| *is).map(|(name, _)| *name);
-    for name in others.chain(material.unknown_param.keys().map(String::as_str)) {
-        unused.add(&format!("`{name}`"));
-    }
     let mut color = |name: &str, value: Option<[f64; 3]>, default: f64| {
         let color = DVec3::from_array(value.unwrap_or([default; 3]));
         let clamped = color.clamp(DVec3::ZERO, DVec3::ONE);
@@ -184,7 +184,7 @@ mod tests {
     fn faults() {
         for (text, expected) in [
             ("Kd 1 1 1\n", ":1: `Kd` stands before the first `newmtl`"),
-            ("newmtl\n", ":1: invalid object name"),
+            ("newmtl\n", ":1: `newmtl` has no name after it"),
             (
                 "newmtl a\nKd 1 1\n",
                 ":2: `Kd` has 2 numbers; it takes one or three",
@@ -201,8 +201,11 @@ mod tests {
             ("newmtl a\nKs 0 nan 0\n", ":2: `Ks`: nan is not a number"),
             ("newmtl a\nNs inf\n", ":2: `Ns`: inf is not a number"),
             ("newmtl a\nNs\n", ":2: `Ns` takes one number"),
-            ("newmtl a\nillum -1\n", ":2: material parse error"),
-            ("newmtl a\nmap_Kd\n", ":2: material parse error"),
+            (
+                "newmtl a\nillum -1\n",
+                ":2: `illum` takes a whole number from 0",
+            ),
+            ("newmtl a\nmap_Kd\n", ":2: `map_Kd` names no file"),
             (
                 "newmtl a\nmap_Kd -s 1 1 1 t.png\n",
                 ":2: `map_Kd`: options are not supported",
@@ -217,7 +220,8 @@ mod tests {
     #[test]
     fn what_is_not_used_is_counted() {
         let text = "\u{feff}newmtl a\n newmtl b\r\n\tKd 0.5\nKs 2 -1 1\nNs -3\nKe 1\nTr 1\n\
-                    map_kd t.png\nillum 7\nKa x y z\nnewmtl a\nKe 0\nKe 1 0 0\nNs 1e7\n";
+                    map_kd t.png\nillum 7\nKa x y z\nd -halo 0.6\n\
+                    d 1\nmap_Ks\nnewmtl a\nKe 0\nKe 1 0 0\nNs 1e7\n";
         let libraries = load_text(text).expect("three materials");
         let [_, b, last] = &libraries.materials[..] else {
             panic!("three materials")
@@ -234,7 +238,7 @@ mod tests {
         assert_eq!(
             unused,
             "not used: 2 `Ke`, 1 `Ks` beyond 0 to 1 (cut to it), 2 `Ns` beyond 0 to 1000000 (cut \
-             to it), 1 `Tr`, 1 `illum above 5`, 1 `map_kd`, 1 material whose name stands again below"
+             to it), 1 `Tr`, 1 `d`, 1 `illum` above 5, 1 `map_Ks`, 1 `map_kd`, 1 other kinds"
         );
     }
 }

@@ -64,7 +64,8 @@ where
         let (number, first) = self.lines.next()?;
         self.line = number + 1;
         let mut statement = Cow::from(first);
-        while statement.trim_end().ends_with('\\') && !first.trim_start().starts_with('#') {
+        let has_comment = |line: &str| line.split_whitespace().any(|word| word.starts_with('#'));
+        while statement.trim_end().ends_with('\\') && !has_comment(&statement) {
             let (_, more) = self.lines.next().unwrap_or_default();
             let whole = statement.to_mut();
             whole.truncate(whole.trim_end().len() - 1);

@@ -59,10 +59,24 @@ pub(super) fn decode(
 }
 
 /// Whether the end is missing, in place of which the decoder would give grey: no end of image stands
-/// after the last start of a scan. Neither can be a part of a scan.
+/// after the start of the first scan. What comes before that is in segments that tell their length.
 fn is_cut_jpeg(bytes: &[u8]) -> bool {
-    let last = |marker| bytes.windows(2).rposition(|pair| pair == [0xff, marker]);
-    last(0xd9) < last(0xda)
+    const START_OF_SCAN: u8 = 0xda;
+    const END_OF_IMAGE: [u8; 2] = [0xff, 0xd9];
+    let mut rest = bytes.get(2..).unwrap_or_default();
+    while let [0xff, marker, high, low, ..] = rest {
+        if *marker == 0xff {
+            rest = &rest[1..];
+            continue;
+        }
+        if *marker == START_OF_SCAN {
+            return !rest.windows(2).any(|pair| pair == END_OF_IMAGE);
+        }
+        let length = 2 + usize::from(u16::from_be_bytes([*high, *low]));
+        rest = rest.get(length..).unwrap_or_default();
+    }
+    // No scan: the decoder says so.
+    false
 }
 
 fn unused(image: &DynamicImage) -> Option<&'static str> {

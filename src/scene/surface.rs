@@ -128,20 +128,17 @@ fn round_back(point: DVec3, ray: &Ray, t: f64) -> Vec3 {
     let point = point - back * direction;
     let nearest = point.as_vec3();
     let beyond = (nearest.as_dvec3() - point) * direction;
-    let ulp = f32::EPSILON * nearest.abs();
-    Vec3::from_array([0, 1, 2].map(|axis| {
-        if beyond[axis] > 0.0 {
-            nearest[axis] - ulp[axis].copysign(ray.direction[axis])
-        } else {
-            nearest[axis]
-        }
+    Vec3::from_array([0, 1, 2].map(|axis| match nearest[axis] {
+        x if beyond[axis] <= 0.0 => x,
+        x if direction[axis] > 0.0 => x.next_down(),
+        x => x.next_up(),
     }))
 }
 
-/// How far a point may be from its surface along the normal, doubled.
+/// How far a point may be behind its surface along the normal, doubled.
 ///
 /// The point was found in double precision, so almost all of it is its rounding to single
-/// precision: half an ulp in each coordinate. Doubling keeps a ray's start on its side of the exact
+/// precision: an ulp in each coordinate. Doubling keeps a ray's start on its side of the exact
 /// surface after the start, too, is rounded. `magnitude` bounds the coordinates that the point was
 /// worked out from.
 fn offset(position: Vec3, normal: Vec3, magnitude: f32) -> f32 {

@@ -1,6 +1,6 @@
 use super::room::room;
 use super::shapes::Polyhedron;
-use super::stage::{looking, matte};
+use super::stage::{looking, matte, worse};
 use super::textures::Picture;
 use crate::accel::Kernel;
 use crate::camera::Camera;
@@ -259,7 +259,7 @@ pub(super) fn slow_dolly(kernel: Kernel) -> f64 {
         let deviations: Vec<f64> = deviations.collect();
         for (i, deviation) in deviations.iter().enumerate() {
             let jump = before.get(i).map_or(0.0, |before| deviation - before);
-            worst = worst.max(deviation.abs()).max(jump.abs());
+            worst = worse(worse(worst, deviation.abs()), jump.abs());
         }
         before = deviations;
     }

@@ -1,5 +1,5 @@
 use super::shapes::Polyhedron;
-use super::stage::{DIRECT, lamp, matte, perfect_mirror, seen};
+use super::stage::{DIRECT, lamp, matte, perfect_mirror, seen, worse};
 use crate::accel::{Kernel, nearest_triangle};
 use crate::geometry::{Sphere, Transform};
 use crate::integrator::Integrator;
@@ -56,7 +56,7 @@ pub(super) fn terminator(kernel: Kernel) -> f64 {
             0.0
         };
         let found = seen(&scene, &DIRECT, eye, direction).x;
-        worst = worst.max((f64::from(found) - exact).abs());
+        worst = worse(worst, (f64::from(found) - exact).abs());
     }
     worst
 }
@@ -108,7 +108,7 @@ pub(super) fn mirror_corridor(kernel: Kernel) -> f64 {
                     DVec3::ZERO,
                     direction,
                 );
-                worst = worst.max((f64::from(found.x) - exact).abs());
+                worst = worse(worst, (f64::from(found.x) - exact).abs());
             }
         }
     }
@@ -143,8 +143,8 @@ pub(super) fn grazing_mirror(kernel: Kernel) -> f64 {
             let (sin, cos) = (2.0 * PI * f64::from(random.unit())).sin_cos();
             let way = turn.point(DVec3::new(cos, -above, sin));
             let found = seen(&scene, &Integrator::RayTracing { bounces: 4 }, eye, way);
-            let error = (found - Vec3::new(0.25, 0.5, 0.75)).abs().max_element();
-            worst = worst.max(error.into());
+            let error = found.distance(Vec3::new(0.25, 0.5, 0.75));
+            worst = worse(worst, error.into());
         }
     }
     worst
@@ -183,21 +183,22 @@ pub(super) fn near_and_far(kernel: Kernel) -> f64 {
         let squared = lit(DVec3::Y * d, PI * d * d, Falloff::InverseSquare, None);
         let constant = lit(DVec3::Y * d, 1.0, Falloff::Constant, None);
         let error = |light: f64| (light / 0.5 - 1.0).abs();
-        worst = worst.max(if exponent >= -15 {
-            error(squared).max(error(constant))
-        } else if squared.is_finite() && constant.is_finite() {
-            0.0
-        } else {
-            f64::INFINITY
-        });
+        worst = worse(
+            worst,
+            if exponent >= -15 {
+                error(squared).max(error(constant))
+            } else if squared.is_finite() && constant.is_finite() {
+                0.0
+            } else {
+                f64::INFINITY
+            },
+        );
     }
     let in_the_floor = lit(0.5 * DVec3::X, 1.0, Falloff::InverseSquare, None);
     let at_the_point = lit(DVec3::ZERO, 1.0, Falloff::InverseSquare, None);
     let in_the_ceiling = lit(2.0 * DVec3::Y, 4.0 * PI, Falloff::InverseSquare, Some(2.0));
-    worst
-        .max(in_the_floor)
-        .max(at_the_point)
-        .max((in_the_ceiling - 0.5).abs())
+    let others = [in_the_floor, at_the_point, (in_the_ceiling - 0.5).abs()];
+    others.into_iter().fold(worst, worse)
 }
 
 fn gathered(bounces: u32) -> Integrator {
@@ -230,7 +231,7 @@ pub(super) fn sphere_interior(kernel: Kernel) -> f64 {
         for _ in 0..100 {
             let eye = ball.center + 0.5 * random.point();
             let found = seen(&scene, &gathered(bounces), eye, random.point());
-            worst = worst.max((f64::from(found.x) - exact).abs());
+            worst = worse(worst, (f64::from(found.x) - exact).abs());
         }
     }
     worst
@@ -264,7 +265,7 @@ pub(super) fn furnace(kernel: Kernel) -> f64 {
             for _ in 0..100 {
                 let eye = 5.0 * random.point().normalize_or(DVec3::X);
                 let found = seen(&scene, &gathered(2), eye, 0.5 * random.point() - eye);
-                worst = worst.max((f64::from(found.x) - exact).abs());
+                worst = worse(worst, (f64::from(found.x) - exact).abs());
             }
         }
     }

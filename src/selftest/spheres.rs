@@ -1,4 +1,4 @@
-use super::stage::{lamp, looking, matte};
+use super::stage::{lamp, looking, matte, worse};
 use crate::accel::{Bvh, Kernel, Traversal};
 use crate::camera::Camera;
 use crate::geometry::Sphere;
@@ -100,7 +100,7 @@ fn against_exact(kernel: Kernel) -> (usize, f64) {
                     match (found, line.first(radius)) {
                         (Some(t), Some(exact)) => {
                             let error = (t - exact).abs() * point(direction).length();
-                            worst = worst.max(error / radius as f64);
+                            worst = worse(worst, error / radius as f64);
                         }
                         (found, exact) => wrong += usize::from(found.is_some() != exact.is_some()),
                     }
@@ -134,15 +134,18 @@ pub(super) fn tangents(kernel: Kernel) -> f64 {
                 let hit = bvh.closest(&Ray::new(start, Vec3::X), &mut traversal);
                 let (exact_radius, y) = (f64::from(radius), f64::from(y));
                 let squared = (exact_radius - y) * (exact_radius + y);
-                worst = worst.max(match hit {
-                    // The tangent itself: either is right, and if it is a hit, this is where.
-                    _ if squared < 0.0 => f64::from(u8::from(hit.is_some())),
-                    None => f64::from(u8::from(squared > 0.0)),
-                    Some(hit) => {
-                        let exact = f64::from(away) * exact_radius - squared.sqrt();
-                        ((hit.t - exact) / exact_radius).abs()
-                    }
-                });
+                worst = worse(
+                    worst,
+                    match hit {
+                        // The tangent itself: either is right, and if it is a hit, this is where.
+                        _ if squared < 0.0 => f64::from(u8::from(hit.is_some())),
+                        None => f64::from(u8::from(squared > 0.0)),
+                        Some(hit) => {
+                            let exact = f64::from(away) * exact_radius - squared.sqrt();
+                            ((hit.t - exact) / exact_radius).abs()
+                        }
+                    },
+                );
             }
         }
     }
@@ -299,7 +302,7 @@ pub(super) fn ground(kernel: Kernel) -> f64 {
             };
             let error = (f64::from(pixel.x) - exact).abs();
             // Light a thousandth as bright as the brightest counts as much as it.
-            worst = worst.max(error / exact.max(1e-3 * PI / 25.0));
+            worst = worse(worst, error / exact.max(1e-3 * PI / 25.0));
         }
     }
     worst

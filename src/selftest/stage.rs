@@ -94,3 +94,12 @@ pub(super) fn seen(scene: &Scene, integrator: &Integrator, eye: DVec3, direction
     integrator.radiance(scene, &[sample], &mut Traversal::default(), &mut radiance);
     radiance[0]
 }
+
+/// The larger of two errors; what is no number is as bad as can be.
+pub(super) fn worse(worst: f64, error: f64) -> f64 {
+    if error.is_nan() {
+        f64::INFINITY
+    } else {
+        worst.max(error)
+    }
+}

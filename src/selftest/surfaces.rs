@@ -1,7 +1,7 @@
 use super::shapes::Polyhedron;
 use super::stage::{DIRECT, first_hits, lamp, matte, seen, white_scene};
 use crate::accel::{Kernel, Point};
-use crate::geometry::{Sphere, Transform};
+use crate::geometry::{Hit, Sphere, Transform};
 use crate::material::Only;
 use crate::math::{NO_PRIMITIVE, Ray, to_world};
 use crate::sampling::{Random, cosine_hemisphere};
@@ -77,10 +77,11 @@ pub(super) fn leaving_triangles(kernel: Kernel) -> f64 {
             let rays: Vec<Ray> = rays.collect();
             let left = leaving(&scene, &rays, random);
             let hits = first_hits(&scene, &left);
-            hits.iter()
-                .flatten()
-                .filter(|hit| hit.t < 1e4 * size)
-                .count()
+            let is_far = |hit: &Option<Hit>| hit.is_none_or(|hit| hit.t > 1e4 * size);
+            // Rays at the rim may miss, but no more than one in twenty.
+            let missed = PART - left.len();
+            hits.iter().filter(|hit| !is_far(hit)).count()
+                + if missed > PART / 20 { missed } else { 0 }
         });
     }
     again as f64
@@ -120,7 +121,11 @@ pub(super) fn leaving_spheres(kernel: Kernel) -> f64 {
                     )
                 });
                 let rays: Vec<Ray> = rays.collect();
-                for (ray, hit) in rays.iter().zip(first_hits(&scene, &rays)) {
+                let hits = first_hits(&scene, &rays);
+                // A third of the targets and more are in the sphere.
+                let met = hits.iter().flatten().filter(|hit| hit.primitive == 0);
+                again += usize::from(met.count() < 1000);
+                for (ray, hit) in rays.iter().zip(hits) {
                     let Some(hit) = hit.filter(|hit| hit.primitive == 0) else {
                         continue;
                     };
@@ -128,16 +133,12 @@ pub(super) fn leaving_spheres(kernel: Kernel) -> f64 {
                     let left = leave(&point, &mut random);
                     let cos = f64::from(left.direction.dot(point.geometric_normal));
                     let is_inside = distance < 1.0;
-                    let is_near = |t: f64| {
-                        t < if is_inside {
-                            radius * cos
-                        } else {
-                            2.0 * radius
-                        }
+                    let least = if is_inside { cos } else { 2.0 } * radius;
+                    let is_right = match first_hits(&scene, &[left])[0] {
+                        Some(next) => next.primitive != 0 || next.t >= least,
+                        None => !is_inside,
                     };
-                    let next = first_hits(&scene, &[left])[0];
-                    let meets = next.is_some_and(|next| next.primitive == 0 && is_near(next.t));
-                    again += usize::from(meets || is_inside && next.is_none());
+                    again += usize::from(!is_right);
                 }
             }
         }
@@ -146,12 +147,12 @@ pub(super) fn leaving_spheres(kernel: Kernel) -> f64 {
 }
 
 /// A box of 1 m, 1e5 m from the origin, straight or turned; and one that has a twin on the other side of the
-/// origin, which is 1e4 m away, so that an ulp is 1 mm: rays from the middle to points 1e-4 m from edges and
-/// corners, and on from there by four bounces.
+/// origin, so that an ulp is 8 mm: rays from the middle to points 1e-4 m from edges and corners, and on from
+/// there by four bounces.
 pub(super) fn closed_corner(kernel: Kernel) -> f64 {
     let cuboid = Polyhedron::cuboid(DVec3::splat(-0.5), DVec3::splat(0.5));
     let mut escapes = 0;
-    for (angle, shift, is_shared) in [(0.0, 1e5, false), (0.7, 1e5, false), (0.0, 1e4, true)] {
+    for (angle, shift, is_shared) in [(0.0, 1e5, false), (0.7, 1e5, false), (0.0, 1e5, true)] {
         let place = Transform::new(DVec3::ONE, DVec3::splat(angle), DVec3::splat(shift));
         let placed = cuboid.moved(|p| place.point(p));
         let twin = placed.moved(|p| -p);

@@ -1,4 +1,4 @@
-use super::stage::{first_hits, matte};
+use super::stage::{first_hits, matte, worse};
 use crate::accel::Kernel;
 use crate::geometry::Sphere;
 use crate::material::{Material, Only};
@@ -54,7 +54,7 @@ impl Picture {
 }
 
 fn error(found: Vec3, exact: DVec3) -> f64 {
-    (found.as_dvec3() - exact).abs().max_element()
+    found.as_dvec3().distance(exact)
 }
 
 /// Coordinates are what single precision makes of them; reading has no error but its own.
@@ -89,7 +89,10 @@ pub(super) fn coordinates(_: Kernel) -> f64 {
         for u in numbers {
             for v in numbers {
                 let uv = Vec2::new(u, v);
-                worst = worst.max(error(texture.sample(uv), picture.color(uv.as_dvec2())));
+                worst = worse(
+                    worst,
+                    error(texture.sample(uv), picture.color(uv.as_dvec2())),
+                );
             }
         }
     }
@@ -143,7 +146,7 @@ pub(super) fn poles_and_seam(kernel: Kernel) -> f64 {
         let found = scene.surface::<Only<1>>(&ray, &hit).reflectance.diffuse;
         // At the pole itself any direction is right.
         if DVec2::new(normal.x, normal.z).length() > 1e-9 {
-            worst = worst.max(error(found, picture.color(uv)));
+            worst = worse(worst, error(found, picture.color(uv)));
         } else if !found.is_finite() {
             return f64::NAN;
         }
@@ -197,7 +200,7 @@ pub(super) fn equal_corners(kernel: Kernel) -> f64 {
             let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
             let exact = a + point.x * (b - a) + point.y * (c - a);
             let found = scene.surface::<Only<1>>(&ray, &hit).reflectance.diffuse;
-            worst = worst.max(error(found, picture.color(exact)));
+            worst = worse(worst, error(found, picture.color(exact)));
         }
     }
     worst

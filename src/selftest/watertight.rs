@@ -1,5 +1,5 @@
 use super::shapes::Polyhedron;
-use super::stage::{first_hits, sine, white_scene};
+use super::stage::{first_hits, sine, white_scene, worse};
 use crate::accel::{Bvh, Kernel, Traversal};
 use crate::geometry::Transform;
 use crate::material::Only;
@@ -19,7 +19,8 @@ pub(super) fn vertices_and_edges(kernel: Kernel) -> f64 {
         let [one, other] = [bvh, reversed].map(|bvh| bvh.closest(ray, &mut traversal));
         let is_right = match (one, other) {
             (Some(one), Some(other)) => {
-                let differs = (one.t - other.t).abs() > 1e-10 * expected;
+                // Distances within a share of 2^-28 are the same.
+                let differs = (one.t - other.t).abs() > 4e-9 * expected;
                 (one.t - expected).abs() <= 1e-6 * expected && !differs
             }
             _ => false,
@@ -166,7 +167,7 @@ pub(super) fn scaled_unevenly(kernel: Kernel) -> f64 {
             let scene = white_scene(&[&placed], kernel);
             for &corner in &mesh.corners {
                 let exact = transform.rotation() * (corner / scale);
-                worst = worst.max(sine(transform.normal(corner).as_vec3(), exact));
+                worst = worse(worst, sine(transform.normal(corner).as_vec3(), exact));
             }
             let relative = placed.moved(|p| p - scene.origin);
             let rays: Vec<Ray> = rays_to_edges(&relative.triangles(), |p| {
@@ -178,9 +179,9 @@ pub(super) fn scaled_unevenly(kernel: Kernel) -> f64 {
                 let corners = mesh.faces[hit.primitive as usize];
                 let [a, b, c] = corners.map(|corner| relative.corners[corner as usize]);
                 let normal = scene.surface::<Only<0>>(ray, &hit).point.geometric_normal;
-                worst = worst.max(sine(normal, (b - a).cross(c - a)));
+                worst = worse(worst, sine(normal, (b - a).cross(c - a)));
                 let is_on_the_viewers_side = normal.dot(ray.direction) < 0.0;
-                worst = worst.max(f64::from(u8::from(!is_on_the_viewers_side)));
+                worst = worse(worst, f64::from(u8::from(!is_on_the_viewers_side)));
             }
         }
     }

@@ -92,12 +92,17 @@ impl Agreement {
         rounding: f64,
     ) -> Agreement {
         assert_eq!(estimates.len(), references.len());
-        let squares = estimates.iter().zip(references).map(|(a, b)| {
+        let pairs = estimates.iter().zip(references);
+        let squares = pairs.filter_map(|(a, b)| {
             let rounding = rounding * b.mean;
-            (a.mean - b.mean).powi(2) / (a.error.powi(2) + b.error.powi(2) + rounding.powi(2))
+            let variance = a.error.powi(2) + b.error.powi(2) + rounding.powi(2);
+            let square = (a.mean - b.mean).powi(2) / variance;
+            assert!(!square.is_nan() || a.mean == b.mean, "{a:?} {b:?}");
+            // Black in both has no error at all.
+            (a.mean != b.mean || variance > 0.0).then_some(square)
         });
-        // Black in both has no error at all.
-        let squares: Vec<f64> = squares.filter(|square| !square.is_nan()).collect();
+        let squares: Vec<f64> = squares.collect();
+        assert!(!squares.is_empty());
         let count = squares.len() as f64;
         Agreement {
             worst: squares.iter().copied().fold(0.0, f64::max).sqrt(),

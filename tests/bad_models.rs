@@ -118,6 +118,9 @@ fn images() {
         let whole = picture(format);
         let of = |bytes: &[u8]| check(&scene, &path(KEY), &[(&name, bytes)]);
         assert_eq!(of(&whole).0, Some(0), "{name}");
+        // A film after the picture, as some cameras put it there.
+        let trailer = [&whole[..], &[0xff, 0xda, 0, 2, 7]].concat();
+        assert_eq!(of(&trailer).0, Some(0), "{name}");
         for share in [0, 1, 10, 50, 90, 99] {
             let (status, message) = of(&whole[..whole.len() * share / 100]);
             assert_eq!(status, Some(2), "{name}: {share} per cent: {message}");

@@ -12,7 +12,8 @@ const NEGLIGIBLE: f64 = 1e-6;
 /// if that covers it, else by cutting off ears (Meisters 1975, "Polygons have ears"). There are three
 /// corners or more; they need not lie in a plane.
 ///
-/// None for polygons that cross themselves, and for concave ones of more than 1024 corners.
+/// None for those that cannot be cut so, since they cross themselves, and for concave ones of more than
+/// 1024 corners.
 pub fn triangulate(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     let flat = flattened(corners);
     let mut left: Vec<usize> = (0..flat.len()).collect();

@@ -169,6 +169,13 @@ mod tests {
     }
 
     #[test]
+    fn comments_end_with_their_line() {
+        let model = load_text("# a\\\nv 0 0 0 # b\\\nv 9 0 \\\n0\nv 0 9 0\nf 1 2 3\n");
+        let corners = model.expect("a triangle").parts[0].positions.clone();
+        assert_eq!(corners, [DVec3::ZERO, 9.0 * DVec3::X, 9.0 * DVec3::Y]);
+    }
+
+    #[test]
     fn the_line_of_a_fault() {
         let triangle = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
         for (text, expected) in [

@@ -28,7 +28,7 @@ pub fn file(name: &str, bytes: &[u8]) -> PathBuf {
     file
 }
 
-/// Loads a scene and, if it is accepted, looks at it in both ways: all light is finite.
+/// Loads a scene and, if it is accepted, looks at it in both ways: no light is below 0.
 pub fn look_at(scene: &[u8]) {
     let loaded = load_scene(&file("s.ron", scene), &mut InputFiles::default());
     match loaded {
@@ -76,7 +76,7 @@ fn render(scene: &Scene) {
             };
             let rendered = render_frame(scene, &path.camera(0), &settings, 0, &|_| ());
             for pixel in rendered.film.pixels() {
-                assert!(pixel.is_finite() && pixel.min_element() >= 0.0, "{pixel}");
+                assert!(pixel.min_element() >= 0.0, "{pixel}");
             }
         }
     }

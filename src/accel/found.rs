@@ -101,11 +101,12 @@ impl Found {
                     Some((distances, outside)) => (distances[number], outside[number]),
                     None => lanes.meet_one(&plane, number),
                 };
-                let growth = triangle_growth(reach[number]);
+                let reach = f64::from(reach[number]);
                 // False for NaN.
-                let is_inside = outside <= growth;
+                let is_inside = outside <= triangle_growth(reach);
                 if !is_inside {
                     let (origin, direction) = lanes.line(number);
+                    let growth = triangle_growth(reach + plane.magnitude());
                     t = plane.distance_in_box(origin, direction, growth, t);
                 }
                 self.meet::<ANY>(&lanes.packet.ray(number), number, t, primitive);
@@ -131,14 +132,14 @@ impl Found {
             }
             let sheared = ShearedRays::<M::One>::splat(ray, axes, magnitude);
             if ANY {
-                if block.occludes(ray, axes, &sheared, magnitude) {
+                if block.occludes(ray, axes, &sheared) {
                     self.best[number].primitive = 0;
                     self.limits[number] = -1.0;
                     changed = true;
                 }
             } else {
                 let before = self.best[number];
-                block.closest(ray, axes, &sheared, magnitude, &mut self.best[number]);
+                block.closest(ray, axes, &sheared, &mut self.best[number]);
                 self.limits[number] = self.best[number].t as f32 * PADDING;
                 changed |= before != self.best[number];
             }

@@ -115,7 +115,7 @@ pub(super) struct RayLanes<'a, V> {
     pub(super) packet: &'a Packet,
     pub(super) origin: [V; 3],
     pub(super) direction: [V; 3],
-    /// The largest coordinates of each ray and the scene.
+    /// The largest coordinate of the start of each ray.
     pub(super) reach: V,
     /// Bounds all coordinates of the scene.
     pub(super) magnitude: f32,
@@ -140,7 +140,7 @@ impl<V: Floats<PACKET>> RayLanes<'_, V> {
 
         let axes @ [kx, ky, kz] = permuted_axes(packet.ray(0).direction);
         let reach = size(origin[0]).max(size(origin[1])).max(size(origin[2]));
-        let reach = reach.add(V::splat(magnitude));
+        let growth = reach.add(V::splat(magnitude)).mul(V::splat(GROWTH));
         let stretch = V::splat(1.0).div(direction[kz]);
         let sheared = ShearedRays {
             origin: [origin[kx], origin[ky], origin[kz]],
@@ -149,7 +149,7 @@ impl<V: Floats<PACKET>> RayLanes<'_, V> {
                 direction[ky].div(direction[kz]).zero_below(LEAST_SLOPE),
             ],
             stretch,
-            slack: reach.mul(V::splat(GROWTH)).mul(size(stretch)),
+            slack: growth.mul(size(stretch)),
         };
         Some(RayLanes {
             packet,

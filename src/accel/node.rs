@@ -1,5 +1,5 @@
 use super::WIDTH;
-use super::rounding::{GROWTH, reach};
+use super::rounding::{GROWTH, grown, reach};
 use super::simd::Floats;
 use crate::math::{Aabb, Ray};
 use glam::{Vec3, Vec4};
@@ -46,8 +46,8 @@ impl Child {
 
 /// The boxes of up to eight children, plane by plane, and what they are.
 ///
-/// Planes are ordered min x, y, z, max x, y, z. Lanes without a child hold the empty box, which
-/// no ray enters.
+/// Planes are ordered min x, y, z, max x, y, z, of boxes that are grown in proportion to their
+/// coordinates. Lanes without a child hold the empty box, which no ray enters.
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
@@ -63,7 +63,7 @@ impl Node {
         };
         for lane in 0..WIDTH {
             let child = children.get(lane);
-            let bounds = child.map_or(Aabb::EMPTY, |c| c.0);
+            let bounds = child.map_or(Aabb::EMPTY, |c| grown(c.0));
             for axis in 0..3 {
                 node.planes[axis][lane] = bounds.min[axis];
                 node.planes[axis + 3][lane] = bounds.max[axis];
@@ -152,15 +152,14 @@ pub(super) struct BoxRay {
 }
 
 impl BoxRay {
-    /// `magnitude` bounds the boxes' coordinates.
-    pub(super) fn new(ray: &Ray, magnitude: f32) -> BoxRay {
+    pub(super) fn new(ray: &Ray) -> BoxRay {
         // Four lanes, of which the last does not matter: one division in place of three.
         let (d, origin) = (ray.direction.extend(0.0), ray.origin.extend(0.0));
         let size = d.abs();
         let smallest = Vec4::splat(SMALLEST * size.max_element());
         let d = Vec4::select(size.cmplt(smallest), smallest.copysign(d), d);
         let inverse = Vec4::ONE / d;
-        let growth = GROWTH * reach(ray, magnitude);
+        let growth = GROWTH * reach(ray);
         let (center, grown) = (origin * inverse, growth * inverse.abs());
         // The planes of least coordinates come first, those of greatest three after.
         let down = inverse.is_negative_bitmask();

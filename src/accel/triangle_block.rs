@@ -1,5 +1,5 @@
 use super::WIDTH;
-use super::rounding::{reach, triangle_growth};
+use super::rounding::{GROWTH, reach, triangle_growth};
 use super::simd::Floats;
 use super::watertight::ShearedRays;
 use crate::geometry::{Hit, TrianglePlane};
@@ -47,14 +47,13 @@ impl TriangleBlock {
     }
 
     /// Takes over every triangle that the ray meets nearer than `best`, or as near with a lower
-    /// number. `magnitude` bounds all coordinates of the scene.
+    /// number.
     #[inline(always)]
     pub(super) fn closest<V: Floats<WIDTH>>(
         &self,
         ray: &Ray,
         axes: [usize; 3],
         sheared: &ShearedRays<V>,
-        magnitude: f32,
         best: &mut Hit,
     ) {
         let limit = V::splat(best.t as f32 * PADDING);
@@ -62,7 +61,7 @@ impl TriangleBlock {
         while passed != 0 {
             let lane = passed.trailing_zeros() as usize;
             passed &= passed - 1;
-            let t = self.distance(lane, ray, magnitude);
+            let t = self.distance(lane, ray);
             take_nearer(ray, t, self.ids[lane], best);
         }
     }
@@ -74,14 +73,13 @@ impl TriangleBlock {
         ray: &Ray,
         axes: [usize; 3],
         sheared: &ShearedRays<V>,
-        magnitude: f32,
     ) -> bool {
         let limit = V::splat(ray.t_max * PADDING);
         let mut passed = sheared.pass(&self.all(axes), limit);
         while passed != 0 {
             let lane = passed.trailing_zeros() as usize;
             passed &= passed - 1;
-            let t = self.distance(lane, ray, magnitude);
+            let t = self.distance(lane, ray);
             if is_in_the_way(ray, t, self.ids[lane]) {
                 return true;
             }
@@ -90,14 +88,16 @@ impl TriangleBlock {
     }
 
     #[inline(always)]
-    fn distance(&self, lane: usize, ray: &Ray, magnitude: f32) -> f64 {
+    fn distance(&self, lane: usize, ray: &Ray) -> f64 {
         let plane = TrianglePlane::through(self.triangle(lane));
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-        let growth = triangle_growth(reach(ray, magnitude));
         let t = plane.distance(origin, direction);
-        if plane.outside(origin + t * direction) <= growth {
+        let reach = f64::from(reach(ray));
+        // False for NaN. Mostly so, and then the triangle's own coordinates need no look.
+        if plane.outside(origin + t * direction) <= triangle_growth(reach) {
             t
         } else {
+            let growth = triangle_growth(reach + plane.magnitude());
             plane.distance_in_box(origin, direction, growth, t)
         }
     }
@@ -114,17 +114,26 @@ impl TriangleBlock {
         ]
     }
 
-    /// The planes of all triangles' boxes, as those of a node.
+    /// The planes of all triangles' boxes, as those of a node: grown in proportion to their coordinates.
     #[inline(always)]
     pub(super) fn planes<V: Floats<WIDTH>>(&self) -> [V; 6] {
         let [a, b, c] = self.all::<V>([0, 1, 2]);
+        let (mut least, mut greatest) = (a, a);
+        let mut magnitude = V::splat(0.0);
+        for axis in 0..3 {
+            least[axis] = a[axis].min(b[axis]).min(c[axis]);
+            greatest[axis] = a[axis].max(b[axis]).max(c[axis]);
+            let size = greatest[axis].max(V::splat(0.0).sub(least[axis]));
+            magnitude = magnitude.max(size);
+        }
+        let growth = magnitude.mul(V::splat(GROWTH));
         [
-            a[0].min(b[0]).min(c[0]),
-            a[1].min(b[1]).min(c[1]),
-            a[2].min(b[2]).min(c[2]),
-            a[0].max(b[0]).max(c[0]),
-            a[1].max(b[1]).max(c[1]),
-            a[2].max(b[2]).max(c[2]),
+            least[0].sub(growth),
+            least[1].sub(growth),
+            least[2].sub(growth),
+            greatest[0].add(growth),
+            greatest[1].add(growth),
+            greatest[2].add(growth),
         ]
     }
 

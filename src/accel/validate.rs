@@ -1,4 +1,5 @@
 use super::node::{Child, ROOT};
+use super::rounding::grown;
 use super::{Bvh, MAX_DEPTH, WIDTH};
 use crate::math::Aabb;
 use glam::Vec3;
@@ -90,11 +91,11 @@ impl Bvh {
                     self.validate_node(index as usize, depth + 1, leaves)?
                 }
                 Child::Triangles(index) if (index as usize) < self.blocks.len() => {
-                    self.count_block(index as usize, leaves)
+                    grown(self.count_block(index as usize, leaves))
                 }
                 Child::Sphere(index) if (index as usize) < self.spheres.len() => {
                     leaves[self.first_sphere as usize + index as usize] += 1;
-                    self.spheres[index as usize].bounds()
+                    grown(self.spheres[index as usize].bounds())
                 }
                 _ => return Err(dangling),
             };

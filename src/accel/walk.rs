@@ -16,7 +16,7 @@ pub(super) fn walk_closest<M: Machine>(bvh: &Bvh, ray: &Ray, stack: &mut Stack) 
     let mut best = NOTHING;
     if bvh.nodes.is_empty() {
         for block in &bvh.blocks {
-            block.closest(ray, axes, &sheared, bvh.magnitude, &mut best);
+            block.closest(ray, axes, &sheared, &mut best);
         }
         for (sphere, primitive) in bvh.spheres.iter().zip(bvh.first_sphere..) {
             if let Some(t) = sphere.intersect(ray) {
@@ -25,7 +25,7 @@ pub(super) fn walk_closest<M: Machine>(bvh: &Bvh, ray: &Ray, stack: &mut Stack) 
         }
         return (best.primitive != NO_PRIMITIVE).then_some(best);
     }
-    let box_ray = BoxRay::new(ray, bvh.magnitude);
+    let box_ray = BoxRay::new(ray);
     // Boxes entered behind this hold nothing better: `best`, grown by what it was rounded.
     let mut limit = f32::MAX;
     stack.clear();
@@ -42,7 +42,7 @@ pub(super) fn walk_closest<M: Machine>(bvh: &Bvh, ray: &Ray, stack: &mut Stack) 
                 }
             }
             Child::Triangles(index) => {
-                bvh.blocks[index as usize].closest(ray, axes, &sheared, bvh.magnitude, &mut best);
+                bvh.blocks[index as usize].closest(ray, axes, &sheared, &mut best);
                 limit = best.t as f32 * PADDING;
             }
             Child::Sphere(index) => {
@@ -74,9 +74,9 @@ pub(super) fn walk_occluded<M: Machine>(bvh: &Bvh, ray: &Ray, stack: &mut Stack)
         }) || bvh
             .blocks
             .iter()
-            .any(|block| block.occludes(ray, axes, &sheared, bvh.magnitude));
+            .any(|block| block.occludes(ray, axes, &sheared));
     }
-    let box_ray = BoxRay::new(ray, bvh.magnitude);
+    let box_ray = BoxRay::new(ray);
     let limit = ray.t_max * PADDING;
     stack.clear();
     let mut next = ROOT;
@@ -88,7 +88,7 @@ pub(super) fn walk_occluded<M: Machine>(bvh: &Bvh, ray: &Ray, stack: &mut Stack)
                 stack.push(&node.children, near.le(far));
             }
             Child::Triangles(index) => {
-                if bvh.blocks[index as usize].occludes(ray, axes, &sheared, bvh.magnitude) {
+                if bvh.blocks[index as usize].occludes(ray, axes, &sheared) {
                     return true;
                 }
             }

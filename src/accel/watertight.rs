@@ -51,7 +51,7 @@ impl<V> ShearedRays<V> {
     {
         let [kx, ky, kz] = axes;
         let (o, d) = (ray.origin, ray.direction);
-        let growth = GROWTH * reach(ray, magnitude);
+        let growth = GROWTH * (reach(ray) + magnitude);
         // One division in place of three.
         let along = Vec4::new(d[kx], d[ky], 1.0, 1.0) / Vec4::splat(d[kz]);
         let stretch = along.z;

@@ -40,6 +40,11 @@ impl TrianglePlane {
         larger(larger(below.z, above.z), larger(x, y))
     }
 
+    /// The largest absolute coordinate of the triangle.
+    pub fn magnitude(&self) -> f64 {
+        self.max.max(-self.min).max_element()
+    }
+
     /// In place of the distance `t` where it gives a point outside the triangle's box, grown by `growth`
     /// on all sides: the nearest one inside; NaN if the line passes by the box.
     ///

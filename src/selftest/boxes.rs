@@ -2,7 +2,7 @@ use crate::accel::{Bvh, Kernel, Traversal, disagreement};
 use crate::geometry::Sphere;
 use crate::math::Ray;
 use crate::sampling::Random;
-use glam::{DMat3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
 
 /// How many rays find something else than [`disagreement`]'s test of all shapes.
@@ -129,4 +129,23 @@ pub(super) fn deep_trees(kernel: Kernel) -> f64 {
     mixed.extend(random_triangles(&mut random, 20_000, 1.0, 0.01));
     let rays = random_rays(&mut random, 300, 2.0);
     wrong_hits(&around_one_point, &[], &rays, kernel) + wrong_hits(&mixed, &[], &rays, kernel)
+}
+
+/// Ten thousand triangles of a millimetre on a ground of 1e6 m: what a ray may miss by counts with the
+/// coordinates of what it meets, not with those of the ground.
+pub(super) fn on_huge_ground(kernel: Kernel) -> f64 {
+    let mut random = Random::new(5);
+    let mut triangles = random_triangles(&mut random, 10_000, 0.1, 0.001);
+    triangles.push([
+        Vec3::new(-1e6, -0.1, -1e6),
+        Vec3::new(1e6, -0.1, -1e6),
+        Vec3::new(0.0, -0.1, 1e6),
+    ]);
+    let globe = Sphere {
+        center: DVec3::new(0.0, -1e6 - 0.2, 0.0),
+        radius: 1e6,
+        rotation: DMat3::IDENTITY,
+    };
+    let rays = random_rays(&mut random, 10_000, 0.2);
+    wrong_hits(&triangles, &[globe], &rays, kernel)
 }

@@ -92,6 +92,7 @@ cases! {
         brute_force, "1,000,000 rays against double precision": "other answers", at most 0.0;
         along_axes, "rays along axes, 0, -0, 1e-38, 1e-45": "other answers", at most 0.0;
         small_scenes, "no shape, one, two, a few": "other answers", at most 0.0;
+        on_huge_ground, "triangles of 1e-3 m on a ground of 1e6 m": "other answers", at most 0.0;
         deep_trees, "100,000 equal centres; huge among tiny": "other answers, faults", at most 0.0;
     }
     spheres {

@@ -40,14 +40,14 @@ fn random_spheres(random: &mut Random, count: usize, spread: f32) -> Vec<Sphere>
     (0..count).map(|_| sphere()).collect()
 }
 
-/// Two scenes of random triangles and spheres, 500,000 rays each.
+/// Two scenes of random triangles and spheres, a million rays each.
 pub(super) fn brute_force(kernel: Kernel) -> f64 {
     let mut random = Random::new(1);
     let mut wrong = 0.0;
     for (triangle_count, sphere_count) in [(100, 10), (40, 40)] {
         let triangles = random_triangles(&mut random, triangle_count, 10.0, 3.0);
         let spheres = random_spheres(&mut random, sphere_count, 10.0);
-        let rays = random_rays(&mut random, 500_000, 12.0);
+        let rays = random_rays(&mut random, 1_000_000, 12.0);
         wrong += wrong_hits(&triangles, &spheres, &rays, kernel);
     }
     wrong

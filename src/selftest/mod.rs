@@ -89,7 +89,7 @@ cases! {
         without_area, "corners that coincide or lie in line": "not dropped, not counted", at most 0.0;
     }
     boxes {
-        brute_force, "1,000,000 rays against double precision": "other answers", at most 0.0;
+        brute_force, "2 x 1,000,000 rays, double precision": "other answers", at most 0.0;
         along_axes, "rays along axes, 0, -0, 1e-38, 1e-45": "other answers", at most 0.0;
         small_scenes, "no shape, one, two, a few": "other answers", at most 0.0;
         on_huge_ground, "triangles of 1e-3 m on a ground of 1e6 m": "other answers", at most 0.0;

@@ -15,10 +15,12 @@ const NEGLIGIBLE: f64 = 1e-6;
 /// None for those that cannot be cut so, since they cross themselves, and for concave ones of more than
 /// 1024 corners.
 pub fn triangulate(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
+    let fan = fan(corners.len());
+    if fan.len() == 1 {
+        return Some(fan);
+    }
     let flat = flattened(corners);
-    let mut left: Vec<usize> = (0..flat.len()).collect();
     let area = |[a, b, c]: [usize; 3]| (flat[b] - flat[a]).perp_dot(flat[c] - flat[a]);
-    let fan = fan(flat.len());
     let whole: f64 = fan.iter().map(|&triangle| area(triangle).abs()).sum();
     let is_wound = |triangle| area(triangle) >= -NEGLIGIBLE * whole;
     if fan.iter().all(|&triangle| is_wound(triangle)) {
@@ -30,6 +32,7 @@ pub fn triangulate(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     let is_inside = |p: usize, [a, b, c]: [usize; 3]| {
         area([a, b, p]) > 0.0 && area([b, c, p]) > 0.0 && area([c, a, p]) > 0.0
     };
+    let mut left: Vec<usize> = (0..flat.len()).collect();
     let mut triangles = Vec::new();
     let mut at = 0;
     while left.len() > 3 {

@@ -1,6 +1,7 @@
 use super::check::LARGEST;
 use super::statements::{numbers, words, write_statement};
 use super::unused::Unused;
+use std::fmt::Write;
 
 /// Checks the statements of an OBJ file and counts what of it is not used.
 ///
@@ -117,7 +118,7 @@ impl ObjCheck {
             ] {
                 out.push_str(separator);
                 if let Some(index) = index {
-                    out.push_str(&index.to_string());
+                    write!(out, "{index}").expect("a string takes all");
                 }
             }
         }

@@ -140,15 +140,22 @@ fn numbers() {
             &["4294967295"],
         ),
     ];
-    for (text, wrong, right) in scenes {
+    // Which of the numbers are refused, in a scene and a path that hold one, and in which file.
+    let judge = |[wrong, right]: [&[&str]; 2], file: &str, with: &dyn Fn(&str) -> [String; 2]| {
         for (numbers, expected) in [(wrong, 2), (right, 0)] {
             for number in numbers {
-                let scene = format!("Scene({})", text.replace('R', number));
-                let (status, message) = check(&scene, &path(KEY), &[]);
-                assert_eq!(status, Some(expected), "{scene}: {message}");
-                assert!(expected == 0 || message.contains("s.ron:"), "{message}");
+                let [scene, path] = with(number);
+                let (status, message) = check(&scene, &path, &[]);
+                assert_eq!(status, Some(expected), "{scene} {path}: {message}");
+                assert!(expected == 0 || message.contains(file), "{message}");
             }
         }
+    };
+    for (text, wrong, right) in scenes {
+        judge([wrong, right], "s.ron:", &|number| {
+            let scene = format!("Scene({})", text.replace('R', number));
+            [scene, path(KEY)]
+        });
     }
     let key = "CameraPath(fps: 24, keyframes: [(time: 0, position: (0, 0, 0), \
                rotation: (0, 0, 0), fov: 50)])";
@@ -175,15 +182,11 @@ fn numbers() {
         ),
     ];
     for (text, wrong, right) in paths {
-        for (numbers, expected) in [(wrong, 2), (right, 0)] {
-            for number in numbers {
-                let start = text.trim_end_matches(|c: char| c.is_ascii_digit());
-                let path = key.replace(text, &format!("{start}{number}"));
-                let (status, message) = check("Scene(objects: [])", &path, &[]);
-                assert_eq!(status, Some(expected), "{path}: {message}");
-                assert!(expected == 0 || message.contains("p.ron:"), "{message}");
-            }
-        }
+        judge([wrong, right], "p.ron:", &|number| {
+            let start = text.trim_end_matches(|c: char| c.is_ascii_digit());
+            let path = key.replace(text, &format!("{start}{number}"));
+            ["Scene(objects: [])".to_owned(), path]
+        });
     }
     let long = "CameraPath(fps: 1e15, keyframes: [
         (time: 0, position: (0, 0, 0), rotation: (0, 0, 0), fov: 50),

@@ -3,8 +3,8 @@
 
 mod support;
 
-use flythrough::render::{PixelSampling, RenderSettings, render_frame};
 use glam::DVec3;
+use support::statistics::spread;
 use support::*;
 
 /// Renders the objects and lights in each way, seen from `eye`, and returns the brightest channel.
@@ -19,16 +19,7 @@ fn brightest(text: &str, eye: DVec3, target: DVec3, degrees: f64) -> f32 {
     let camera = camera(eye, target, degrees);
     let mut brightest = 0.0_f32;
     for integrator in [ray_tracing(), monte_carlo(4, &[4])] {
-        let settings = RenderSettings {
-            width: 12,
-            height: 8,
-            integrator,
-            sampling: PixelSampling::Spread(2),
-            seed: 0,
-        };
-        let rendered = render_frame(&scene, &camera, &settings, 0, &|_| ());
-        assert_eq!(rendered.non_finite_samples, 0, "{text}");
-        for pixel in rendered.film.pixels() {
+        for pixel in render(&scene, &camera, &spread(integrator, [12, 8], 2)) {
             assert!(
                 pixel.is_finite() && pixel.min_element() >= 0.0,
                 "{text}: {pixel}"

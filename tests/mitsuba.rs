@@ -8,7 +8,6 @@
 mod support;
 
 use flythrough::camera::Camera;
-use flythrough::render::PixelSampling;
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use support::statistics::*;
@@ -163,9 +162,7 @@ fn mean_of_a_lit_sphere_and_square() {
         )",
     );
     let camera = camera(DVec3::Z * 4.0, DVec3::ZERO, 34.022);
-    let mut settings = settings(ray_tracing(), 128, 128);
-    settings.sampling = PixelSampling::Spread(64);
-    let pixels = render(&scene, &camera, &settings);
+    let pixels = render(&scene, &camera, &spread(ray_tracing(), [128, 128], 64));
     let mean = pixels.iter().sum::<Vec3>() / pixels.len() as f32;
     assert_close(mean, Vec3::splat(0.269_208), 1.5e-4);
 }

@@ -4,7 +4,7 @@
 
 use super::*;
 use crate::sampling::Random;
-use glam::{DMat3, Vec3Swizzles};
+use glam::Vec3Swizzles;
 
 /// Numbers that a fuzzer chooses, and then those of a generator.
 struct Numbers<'a> {
@@ -107,7 +107,7 @@ fn check_scene(random: &mut Numbers) {
     let spheres: Vec<Sphere> = (0..sphere_count)
         .map(|_| {
             let radius = f64::from(scale * (0.001 + 0.3 * random.unit()));
-            sphere(random.vector(1.0) * scale + shift, radius)
+            Sphere::new((random.vector(1.0) * scale + shift).as_dvec3(), radius)
         })
         .collect();
     let rays: Vec<Ray> = (0..160)
@@ -153,14 +153,6 @@ fn check_scene(random: &mut Numbers) {
         for (ray, expected) in rays.iter().zip(&expected) {
             assert_eq!(bvh.closest(ray, &mut traversal), *expected, "{ray:?}");
         }
-    }
-}
-
-pub(super) fn sphere(center: Vec3, radius: f64) -> Sphere {
-    Sphere {
-        center: center.as_dvec3(),
-        radius,
-        rotation: DMat3::IDENTITY,
     }
 }
 

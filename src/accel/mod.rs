@@ -34,7 +34,7 @@ use stack::Stack;
 use triangle_block::TriangleBlock;
 
 pub use kernel::Kernel;
-pub use oracle::{disagreement, nearest_triangle};
+pub use oracle::{SAME_DISTANCE, disagreement, nearest_triangle};
 pub use sight::{Point, Points, Sight};
 pub use validate::TreeFault;
 

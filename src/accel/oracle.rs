@@ -7,6 +7,10 @@ use glam::Vec3;
 /// Within so much of an edge, as a barycentric weight, single precision may see a triangle or not.
 const MARGIN: f64 = 1e-4;
 
+/// Distances that differ by no more than this share count as the same, and a number decides: 2^-28 and what
+/// rounding adds.
+pub const SAME_DISTANCE: f64 = 4e-9;
+
 /// Where a line meets the plane of a triangle, by Cramer's rule in double precision, and the weights of
 /// its second and third corner there.
 fn meet_triangle(ray: &Ray, corners: [Vec3; 3]) -> Option<(f64, [f64; 2])> {
@@ -50,8 +54,7 @@ pub fn disagreement(
         return nearest.map(|t| format!("missed a hit at {t}: {ray:?}"));
     };
     let t = hit.t;
-    // Distances within a share of 2^-28 are the same.
-    if let Some(nearest) = nearest.filter(|nearest| t > nearest * (1.0 + 4e-9)) {
+    if let Some(nearest) = nearest.filter(|nearest| t > nearest * (1.0 + SAME_DISTANCE)) {
         return Some(format!("{t} behind {nearest}: {ray:?}"));
     }
     let is_there = match triangles.get(hit.primitive as usize) {

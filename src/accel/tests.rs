@@ -1,9 +1,10 @@
 //! Against brute force in double precision, one by one and together, for every kernel.
 
-use super::fuzz::{check_packets, sphere};
+use super::fuzz::check_packets;
 use super::node::Child;
 use super::*;
 use crate::sampling::Random;
+use glam::DVec3;
 
 fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
     for kernel in Kernel::available() {
@@ -30,12 +31,7 @@ fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
 #[test]
 fn sights_agree_with_single_rays() {
     let mut random = Random::new(11);
-    let triangles: Vec<[Vec3; 3]> = (0..300)
-        .map(|_| {
-            let at = random.vector(2.0);
-            [at, at + random.vector(0.5), at + random.vector(0.5)]
-        })
-        .collect();
+    let triangles: Vec<[Vec3; 3]> = (0..300).map(|_| random.triangle(2.0, 0.5)).collect();
     for (count, triangles) in [(300, &triangles[..]), (9, &triangles[..9])] {
         let bvhs = Kernel::available()
             .into_iter()
@@ -109,13 +105,15 @@ fn random_triangles_and_spheres() {
     let mut random = Random::new(1);
     for (triangle_count, sphere_count) in [(1, 0), (0, 1), (7, 2), (9, 0), (100, 20), (3000, 300)] {
         let triangles: Vec<_> = (0..triangle_count)
-            .map(|_| {
-                let at = random.vector(10.0);
-                [at, at + random.vector(2.0), at + random.vector(2.0)]
-            })
+            .map(|_| random.triangle(10.0, 2.0))
             .collect();
         let spheres: Vec<_> = (0..sphere_count)
-            .map(|_| sphere(random.vector(10.0), f64::from(random.unit()) + 0.01))
+            .map(|_| {
+                Sphere::new(
+                    random.vector(10.0).as_dvec3(),
+                    f64::from(random.unit()) + 0.01,
+                )
+            })
             .collect();
         let rays = random_rays(&mut random, 1000, 12.0);
         check(&triangles, &spheres, &rays);
@@ -134,12 +132,7 @@ fn nothing_is_hit_in_an_empty_scene() {
 #[test]
 fn validation_finds_faults() {
     let mut random = Random::new(6);
-    let triangles: Vec<_> = (0..200)
-        .map(|_| {
-            let at = random.vector(10.0);
-            [at, at + random.vector(1.0), at + random.vector(1.0)]
-        })
-        .collect();
+    let triangles: Vec<_> = (0..200).map(|_| random.triangle(10.0, 1.0)).collect();
     let sound = || Bvh::new(&triangles, vec![], Kernel::default());
     assert_eq!(sound().validate(), Ok(()));
 
@@ -179,14 +172,10 @@ fn validation_finds_faults() {
 #[test]
 fn rays_that_are_no_numbers_find_an_end() {
     let mut random = Random::new(7);
-    let mut triangle = || {
-        let at = random.vector(1.0);
-        [at, at + random.vector(0.3), at + random.vector(0.3)]
-    };
-    let triangles: Vec<_> = (0..300).map(|_| triangle()).collect();
+    let triangles: Vec<_> = (0..300).map(|_| random.triangle(1.0, 0.3)).collect();
     let (nan, infinity) = (f32::NAN, f32::INFINITY);
     let numbers = [0.0, 1.0, 1e-45, 3e38, nan, infinity];
-    let spheres = vec![sphere(Vec3::ONE, 1.0); 9];
+    let spheres = vec![Sphere::new(DVec3::ONE, 1.0); 9];
     for kernel in Kernel::available() {
         for (triangles, spheres) in [(&triangles[..], vec![]), (&[], spheres.clone())] {
             let bvh = Bvh::new(triangles, spheres, kernel);

@@ -79,6 +79,21 @@ enum Track<T> {
     Smooth(SmoothCurve<T>),
 }
 
+impl Camera {
+    /// One at `eye` that looks at `target`, its vertical field of view in radians. Refuses what a key of a
+    /// camera path may not be, either.
+    pub fn look_at(eye: DVec3, target: DVec3, field_of_view: f64) -> Result<Camera, PathError> {
+        let key = Keyframe {
+            time: 0.0,
+            position: eye,
+            orientation: Orientation::LookAt(target),
+            field_of_view,
+        };
+        let path = CameraPath::new(1.0, Interpolation::Linear, &[key])?;
+        Ok(path.camera(0))
+    }
+}
+
 impl CameraPath {
     /// Checks the keys and the camera of every frame. If all keys look at points, the point moves;
     /// otherwise all are turned into rotations.

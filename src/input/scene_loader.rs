@@ -386,13 +386,7 @@ impl Loader<'_> {
         if let Some(number) = self.grey {
             return number;
         }
-        let number = self.new_material(Material {
-            diffuse: Vec3::splat(0.8),
-            texture: None,
-            specular: Vec3::ZERO,
-            shininess: 0.0,
-            reflective: Vec3::ZERO,
-        });
+        let number = self.new_material(Material::lambert(Vec3::splat(0.8)));
         self.grey = Some(number);
         number
     }

@@ -27,6 +27,17 @@ pub struct Material {
 }
 
 impl Material {
+    /// A Lambert surface and nothing else.
+    pub const fn lambert(diffuse: Vec3) -> Material {
+        Material {
+            diffuse,
+            texture: None,
+            specular: Vec3::ZERO,
+            shininess: 0.0,
+            reflective: Vec3::ZERO,
+        }
+    }
+
     /// The material at texture coordinate `uv`.
     #[inline]
     pub fn at<F: Features>(&self, uv: Vec2, textures: &[Texture]) -> Reflectance {

@@ -29,6 +29,16 @@ impl Random {
         Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0 * size
     }
 
+    /// A triangle with one corner in the box of `spread` and the others within the box of `size` from it.
+    pub fn triangle(&mut self, spread: f32, size: f32) -> [Vec3; 3] {
+        let corner = self.vector(spread);
+        [
+            corner,
+            corner + self.vector(size),
+            corner + self.vector(size),
+        ]
+    }
+
     /// As [`Random::vector`], of side 1.
     pub fn point(&mut self) -> DVec3 {
         self.vector(1.0).as_dvec3()

@@ -160,13 +160,7 @@ fn median(numbers: impl Iterator<Item = f64>) -> f64 {
 mod tests {
     use super::*;
 
-    const PLAIN: Material = Material {
-        diffuse: Vec3::ONE,
-        texture: None,
-        specular: Vec3::ZERO,
-        shininess: 1.0,
-        reflective: Vec3::ZERO,
-    };
+    const PLAIN: Material = Material::lambert(Vec3::ONE);
 
     #[test]
     fn only_what_is_used_counts() {

@@ -137,13 +137,7 @@ mod tests {
         };
         let builder = SceneBuilder {
             lights: heights.iter().map(light).collect(),
-            materials: vec![Material {
-                diffuse: Vec3::ONE,
-                texture: None,
-                specular: Vec3::ZERO,
-                shininess: 1.0,
-                reflective: Vec3::ZERO,
-            }],
+            materials: vec![Material::lambert(Vec3::ONE)],
             meshes: vec![floor],
             ..SceneBuilder::default()
         };

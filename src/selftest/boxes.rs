@@ -2,7 +2,7 @@ use crate::accel::{Bvh, Kernel, Traversal, disagreement};
 use crate::geometry::Sphere;
 use crate::math::Ray;
 use crate::sampling::Random;
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// How many rays find something else than [`disagreement`]'s test of all shapes.
@@ -19,11 +19,7 @@ fn wrong_hits(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray], kernel:
 }
 
 fn random_triangles(random: &mut Random, count: usize, spread: f32, size: f32) -> Vec<[Vec3; 3]> {
-    let mut triangle = || {
-        let at = random.vector(spread);
-        [at, at + random.vector(size), at + random.vector(size)]
-    };
-    (0..count).map(|_| triangle()).collect()
+    (0..count).map(|_| random.triangle(spread, size)).collect()
 }
 
 fn random_rays(random: &mut Random, count: usize, size: f32) -> Vec<Ray> {
@@ -32,25 +28,37 @@ fn random_rays(random: &mut Random, count: usize, size: f32) -> Vec<Ray> {
 }
 
 fn random_spheres(random: &mut Random, count: usize, spread: f32) -> Vec<Sphere> {
-    let mut sphere = || Sphere {
-        center: random.vector(spread).as_dvec3(),
-        radius: f64::from(random.unit()) + 0.01,
-        rotation: DMat3::IDENTITY,
+    let mut sphere = || {
+        Sphere::new(
+            random.vector(spread).as_dvec3(),
+            f64::from(random.unit()) + 0.01,
+        )
     };
     (0..count).map(|_| sphere()).collect()
 }
 
+/// [`wrong_hits`] of scenes with so many triangles of up to 3 m and spheres, spread over `spread`, by rays from
+/// within `size`.
+fn wrong_in_random_scenes(
+    mut random: Random,
+    counts: &[(usize, usize)],
+    spread: f32,
+    (ray_count, size): (usize, f32),
+    kernel: Kernel,
+) -> f64 {
+    let scenes = counts.iter().map(|&(triangle_count, sphere_count)| {
+        let triangles = random_triangles(&mut random, triangle_count, spread, 3.0);
+        let spheres = random_spheres(&mut random, sphere_count, spread);
+        let rays = random_rays(&mut random, ray_count, size);
+        wrong_hits(&triangles, &spheres, &rays, kernel)
+    });
+    scenes.sum()
+}
+
 /// Two scenes of random triangles and spheres, a million rays each.
 pub(super) fn brute_force(kernel: Kernel) -> f64 {
-    let mut random = Random::new(1);
-    let mut wrong = 0.0;
-    for (triangle_count, sphere_count) in [(100, 10), (40, 40)] {
-        let triangles = random_triangles(&mut random, triangle_count, 10.0, 3.0);
-        let spheres = random_spheres(&mut random, sphere_count, 10.0);
-        let rays = random_rays(&mut random, 1_000_000, 12.0);
-        wrong += wrong_hits(&triangles, &spheres, &rays, kernel);
-    }
-    wrong
+    let counts = [(100, 10), (40, 40)];
+    wrong_in_random_scenes(Random::new(1), &counts, 10.0, (1_000_000, 12.0), kernel)
 }
 
 /// A floor at y = 0, a wall and a side of 8 x 8 squares, whose boxes have no thickness, and rays along
@@ -91,9 +99,7 @@ pub(super) fn along_axes(kernel: Kernel) -> f64 {
 
 /// No tree, or hardly one.
 pub(super) fn small_scenes(kernel: Kernel) -> f64 {
-    let mut random = Random::new(2);
-    let mut wrong = 0.0;
-    for (triangle_count, sphere_count) in [
+    let counts = [
         (0, 0),
         (1, 0),
         (0, 1),
@@ -102,13 +108,8 @@ pub(super) fn small_scenes(kernel: Kernel) -> f64 {
         (9, 0),
         (17, 1),
         (0, 3),
-    ] {
-        let triangles = random_triangles(&mut random, triangle_count, 3.0, 3.0);
-        let spheres = random_spheres(&mut random, sphere_count, 3.0);
-        let rays = random_rays(&mut random, 20_000, 5.0);
-        wrong += wrong_hits(&triangles, &spheres, &rays, kernel);
-    }
-    wrong
+    ];
+    wrong_in_random_scenes(Random::new(2), &counts, 3.0, (20_000, 5.0), kernel)
 }
 
 /// Triangles that no plane can part, and ones of very different sizes.
@@ -141,11 +142,7 @@ pub(super) fn on_huge_ground(kernel: Kernel) -> f64 {
         Vec3::new(1e6, -0.1, -1e6),
         Vec3::new(0.0, -0.1, 1e6),
     ]);
-    let globe = Sphere {
-        center: DVec3::new(0.0, -1e6 - 0.2, 0.0),
-        radius: 1e6,
-        rotation: DMat3::IDENTITY,
-    };
+    let globe = Sphere::new(DVec3::new(0.0, -1e6 - 0.2, 0.0), 1e6);
     let rays = random_rays(&mut random, 10_000, 0.2);
     wrong_hits(&triangles, &[globe], &rays, kernel)
 }

@@ -1,8 +1,8 @@
 use super::shapes::Polyhedron;
-use super::stage::{first_hits, matte, sine, worse};
+use super::stage::{first_hits, ray_in, sine, worse};
 use crate::accel::{Bvh, Kernel, Traversal};
 use crate::geometry::{Mesh, Transform};
-use crate::material::Only;
+use crate::material::{Material, Only};
 use crate::math::Ray;
 use crate::sampling::Random;
 use crate::scene::SceneBuilder;
@@ -184,15 +184,14 @@ pub(super) fn without_area(kernel: Kernel) -> f64 {
     let mut source = mesh.mesh(0);
     source.normals = vec![Vec3::ZERO; source.positions.len()];
     let builder = SceneBuilder {
-        materials: vec![matte(Vec3::ONE)],
+        materials: vec![Material::lambert(Vec3::ONE)],
         meshes: vec![source],
         kernel,
         ..SceneBuilder::default()
     };
     let (scene, dropped) = builder.build();
     let mut wrong = dropped.abs_diff(4) + scene.triangle_count().abs_diff(2);
-    let origin = (DVec3::new(0.2, 0.2, 1.0) - scene.origin).as_vec3();
-    let ray = Ray::new(origin, Vec3::NEG_Z);
+    let ray = ray_in(&scene, DVec3::new(0.2, 0.2, 1.0), DVec3::NEG_Z);
     match first_hits(&scene, &[ray])[0] {
         Some(hit) => {
             let normal = scene.surface::<Only<0>>(&ray, &hit).point.shading_normal;

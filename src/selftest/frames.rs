@@ -1,6 +1,6 @@
 use super::room::room;
 use super::shapes::Polyhedron;
-use super::stage::{looking, matte, worse};
+use super::stage::{looking, worse};
 use super::textures::Picture;
 use crate::accel::Kernel;
 use crate::camera::Camera;
@@ -138,7 +138,7 @@ pub(super) fn through_a_wall(kernel: Kernel) -> f64 {
     let builder = SceneBuilder {
         ambient: EVEN,
         background: Vec3::Z,
-        materials: vec![matte(Vec3::X), matte(Vec3::Y)],
+        materials: vec![Material::lambert(Vec3::X), Material::lambert(Vec3::Y)],
         meshes: vec![
             front.mesh(0),
             side(WALL - 1e-6).mesh(1),
@@ -208,10 +208,10 @@ pub(super) fn slow_dolly(kernel: Kernel) -> f64 {
     let builder = SceneBuilder {
         ambient: EVEN,
         materials: vec![
-            matte(Vec3::splat(of_post as f32)),
+            Material::lambert(Vec3::splat(of_post as f32)),
             Material {
                 texture: Some(0),
-                ..matte(Vec3::ONE)
+                ..Material::lambert(Vec3::ONE)
             },
         ],
         textures: vec![paper.texture()],

@@ -1,5 +1,5 @@
 use super::shapes::Polyhedron;
-use super::stage::{DIRECT, lamp, matte, perfect_mirror, seen, worse};
+use super::stage::{DIRECT, lamp, perfect_mirror, seen, worse};
 use crate::accel::{Kernel, nearest_triangle};
 use crate::geometry::{Sphere, Transform};
 use crate::integrator::Integrator;
@@ -8,7 +8,7 @@ use crate::material::Material;
 use crate::math::Ray;
 use crate::sampling::Random;
 use crate::scene::{SceneBuilder, SourceMesh};
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
 /// Eighty triangles with the normals of a sphere, lit from the side. Convex, so nothing shades anything:
@@ -24,7 +24,7 @@ pub(super) fn terminator(kernel: Kernel) -> f64 {
     // 1 where the light comes straight from 30 m.
     let intensity = PI * 900.0;
     let builder = SceneBuilder {
-        materials: vec![matte(Vec3::ONE)],
+        materials: vec![Material::lambert(Vec3::ONE)],
         meshes: vec![smooth],
         lights: vec![lamp(position, intensity as f32)],
         kernel,
@@ -72,15 +72,11 @@ pub(super) fn mirror_corridor(kernel: Kernel) -> f64 {
             100.0 * DVec3::Z,
         )
     };
-    let ball = Sphere {
-        center: DVec3::new(0.3, 0.0, -2.0),
-        radius: 0.1,
-        rotation: DMat3::IDENTITY,
-    };
+    let ball = Sphere::new(DVec3::new(0.3, 0.0, -2.0), 0.1);
     let builder = SceneBuilder {
         ambient: Vec3::splat(1.0 / 0.3),
         background: Vec3::ONE,
-        materials: vec![perfect_mirror(), matte(Vec3::splat(0.25))],
+        materials: vec![perfect_mirror(), Material::lambert(Vec3::splat(0.25))],
         meshes: vec![wall(-1.0).mesh(0), wall(1.0).mesh(0)],
         spheres: vec![(ball, 1)],
         kernel,
@@ -130,7 +126,7 @@ pub(super) fn grazing_mirror(kernel: Kernel) -> f64 {
         let builder = SceneBuilder {
             ambient: Vec3::splat(3.0),
             background: Vec3::new(0.25, 0.5, 0.75),
-            materials: vec![perfect_mirror(), matte(Vec3::ONE)],
+            materials: vec![perfect_mirror(), Material::lambert(Vec3::ONE)],
             meshes: vec![square(0.0).mesh(0), square(-1e-3).mesh(1)],
             kernel,
             ..SceneBuilder::default()
@@ -164,7 +160,7 @@ pub(super) fn near_and_far(kernel: Kernel) -> f64 {
             falloff,
         };
         let builder = SceneBuilder {
-            materials: vec![matte(Vec3::splat(0.5))],
+            materials: vec![Material::lambert(Vec3::splat(0.5))],
             meshes: [Some(0.0), ceiling]
                 .into_iter()
                 .flatten()
@@ -211,13 +207,9 @@ fn gathered(bounces: u32) -> Integrator {
 /// In a sphere of radius 1 and albedo 1/2 with a lamp of intensity pi in its middle every point has 1/2
 /// directly, and 2^-(k + 1) by the k-th bounce, whichever way a path goes.
 pub(super) fn sphere_interior(kernel: Kernel) -> f64 {
-    let ball = Sphere {
-        center: DVec3::new(5.0, -2.0, 7.0),
-        radius: 1.0,
-        rotation: DMat3::IDENTITY,
-    };
+    let ball = Sphere::new(DVec3::new(5.0, -2.0, 7.0), 1.0);
     let builder = SceneBuilder {
-        materials: vec![matte(Vec3::splat(0.5))],
+        materials: vec![Material::lambert(Vec3::splat(0.5))],
         spheres: vec![(ball, 0)],
         lights: vec![lamp(ball.center, PI as f32)],
         kernel,
@@ -244,14 +236,10 @@ pub(super) fn furnace(kernel: Kernel) -> f64 {
     let mut worst: f64 = 0.0;
     for albedo in [0.0_f32, 0.3, 0.8, 1.0] {
         for share in [0.0_f32, 0.5, 1.0] {
-            let ball = Sphere {
-                center: DVec3::ZERO,
-                radius: 1.0,
-                rotation: DMat3::IDENTITY,
-            };
+            let ball = Sphere::new(DVec3::ZERO, 1.0);
             let material = Material {
                 reflective: Vec3::splat(share),
-                ..matte(Vec3::splat(albedo))
+                ..Material::lambert(Vec3::splat(albedo))
             };
             let builder = SceneBuilder {
                 background: Vec3::ONE,

@@ -1,12 +1,12 @@
 use super::shapes::Polyhedron;
-use super::stage::{lamp, looking, matte, perfect_mirror};
+use super::stage::{lamp, looking, perfect_mirror};
 use crate::accel::Kernel;
 use crate::camera::Camera;
 use crate::geometry::Sphere;
 use crate::material::Material;
 use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
 use crate::texture::Texture;
-use glam::{DMat3, DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 /// A room with everything that a scene may have, `scale` m wide, its middle at `middle`; lamps are as
 /// much brighter as it is larger, so that it looks the same.
@@ -40,21 +40,17 @@ pub(super) fn room(scale: f64, middle: DVec3, kernel: Kernel) -> (Scene, Camera)
         triangles: vec![[0, 1, 2]],
         material: MeshMaterial::PerVertex([0, 2, 3]),
     };
-    let ball = |center: DVec3, radius: f64| Sphere {
-        center: place(center),
-        radius: radius * scale,
-        rotation: DMat3::IDENTITY,
-    };
+    let ball = |center: DVec3, radius: f64| Sphere::new(place(center), radius * scale);
     let texels = (0..16).map(|i| [60 + 12 * i, 250 - 13 * i, 90 + 70 * (i % 3)]);
     let brightness = |intensity: f64| (intensity * scale * scale) as f32;
     let builder = SceneBuilder {
         ambient: Vec3::splat(0.2),
         background: Vec3::ZERO,
         materials: vec![
-            matte(Vec3::new(0.7, 0.6, 0.5)),
+            Material::lambert(Vec3::new(0.7, 0.6, 0.5)),
             Material {
                 texture: Some(0),
-                ..matte(Vec3::ONE)
+                ..Material::lambert(Vec3::ONE)
             },
             Material {
                 reflective: Vec3::splat(0.8),
@@ -63,7 +59,7 @@ pub(super) fn room(scale: f64, middle: DVec3, kernel: Kernel) -> (Scene, Camera)
             Material {
                 specular: Vec3::splat(0.3),
                 shininess: 20.0,
-                ..matte(Vec3::new(0.2, 0.3, 0.6))
+                ..Material::lambert(Vec3::new(0.2, 0.3, 0.6))
             },
         ],
         textures: Texture::new(4, 4, texels.collect()).into_iter().collect(),

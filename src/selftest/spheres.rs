@@ -1,13 +1,14 @@
-use super::stage::{lamp, looking, matte, worse};
+use super::stage::{lamp, looking, worse};
 use crate::accel::{Bvh, Kernel, Traversal};
 use crate::camera::Camera;
 use crate::geometry::Sphere;
 use crate::integrator::Integrator;
+use crate::material::Material;
 use crate::math::Ray;
 use crate::render::{PixelSampling, RenderSettings, render_frame};
 use crate::sampling::Random;
 use crate::scene::SceneBuilder;
-use glam::{DMat3, DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
 
 /// A line in whole numbers, relative to the centre of a sphere.
@@ -55,14 +56,6 @@ fn point(whole: [i64; 3]) -> DVec3 {
     DVec3::from_array(whole.map(|x| x as f64))
 }
 
-fn sphere(center: DVec3, radius: f64) -> Sphere {
-    Sphere {
-        center,
-        radius,
-        rotation: DMat3::IDENTITY,
-    }
-}
-
 /// Wrong hits and misses, and the largest error of a distance in radii, of lines to spheres: from inside,
 /// from the surface itself, and from 1 to 1e6 radii away; of 4e-6 to 1e12 m; one sphere alone, and in a tree.
 fn against_exact(kernel: Kernel) -> (usize, f64) {
@@ -75,8 +68,8 @@ fn against_exact(kernel: Kernel) -> (usize, f64) {
         // Powers of two leave whole numbers as exact as they are.
         for exponent in [-20, -10, 0, 10, 20] {
             let scale = 2.0_f64.powi(exponent);
-            let this = sphere(point(center) * scale, radius as f64 * scale);
-            let far = |i: i32| sphere(DVec3::splat(1e8 * f64::from(i) * scale), this.radius);
+            let this = Sphere::new(point(center) * scale, radius as f64 * scale);
+            let far = |i: i32| Sphere::new(DVec3::splat(1e8 * f64::from(i) * scale), this.radius);
             for spheres in [vec![this], vec![this, far(1), far(2), far(3)]] {
                 let bvh = Bvh::new(&[], spheres, kernel);
                 for _ in 0..4000 {
@@ -126,7 +119,7 @@ pub(super) fn tangents(kernel: Kernel) -> f64 {
     let mut worst: f64 = 0.0;
     for exponent in -20..=20 {
         let radius = 2.0_f32.powi(exponent);
-        let bvh = Bvh::new(&[], vec![sphere(DVec3::ZERO, radius.into())], kernel);
+        let bvh = Bvh::new(&[], vec![Sphere::new(DVec3::ZERO, radius.into())], kernel);
         for ulps in -4..=4_i32 {
             let y = radius * (1.0 + ulps as f32 * f32::EPSILON);
             for away in [2.0, 1e3, 1e6] {
@@ -161,7 +154,7 @@ pub(super) fn concentric(kernel: Kernel) -> f64 {
     let mut wrong = 0;
     for outer in [0, 1] {
         let radii = [RADII[1 - outer], RADII[outer]];
-        let spheres = radii.map(|radius| sphere(DVec3::ZERO, radius as f64));
+        let spheres = radii.map(|radius| Sphere::new(DVec3::ZERO, radius as f64));
         let bvh = Bvh::new(&[], spheres.to_vec(), kernel);
         for i in 0..20_000 {
             let mut near = |size: i64| [0; 3].map(|_| random.whole(size));
@@ -267,10 +260,10 @@ pub(super) fn ground(kernel: Kernel) -> f64 {
         ball: DVec3::new(0.2, 1.0, -5.0),
     };
     let builder = SceneBuilder {
-        materials: vec![matte(Vec3::splat(0.5))],
+        materials: vec![Material::lambert(Vec3::splat(0.5))],
         spheres: vec![
-            (sphere(DVec3::NEG_Y * ground.radius, ground.radius), 0),
-            (sphere(ground.ball, 1.0), 0),
+            (Sphere::new(DVec3::NEG_Y * ground.radius, ground.radius), 0),
+            (Sphere::new(ground.ball, 1.0), 0),
         ],
         lights: vec![lamp(ground.lamp, (2.0 * PI * PI) as f32)],
         kernel,

@@ -1,6 +1,6 @@
 use super::shapes::Polyhedron;
 use crate::accel::{Kernel, Traversal};
-use crate::camera::{Camera, CameraPath, Interpolation, Keyframe, Orientation};
+use crate::camera::Camera;
 use crate::geometry::Hit;
 use crate::integrator::{CameraSample, Integrator};
 use crate::light::{Falloff, PointLight};
@@ -12,33 +12,14 @@ use glam::{DVec3, Vec3};
 
 /// A camera at `eye` that looks at `target`, its vertical field of view in degrees.
 pub(super) fn looking(eye: DVec3, target: DVec3, degrees: f64) -> Camera {
-    let key = Keyframe {
-        time: 0.0,
-        position: eye,
-        orientation: Orientation::LookAt(target),
-        field_of_view: degrees.to_radians(),
-    };
-    CameraPath::new(1.0, Interpolation::Linear, &[key])
-        .expect("one key that does not look straight up or down")
-        .camera(0)
-}
-
-/// A Lambert surface.
-pub(super) fn matte(diffuse: Vec3) -> Material {
-    Material {
-        diffuse,
-        texture: None,
-        specular: Vec3::ZERO,
-        shininess: 0.0,
-        reflective: Vec3::ZERO,
-    }
+    Camera::look_at(eye, target, degrees.to_radians()).expect("not straight up or down")
 }
 
 /// A mirror that loses nothing.
 pub(super) fn perfect_mirror() -> Material {
     Material {
         reflective: Vec3::ONE,
-        ..matte(Vec3::ZERO)
+        ..Material::lambert(Vec3::ZERO)
     }
 }
 
@@ -55,12 +36,18 @@ pub(super) fn lamp(position: DVec3, intensity: f32) -> (DVec3, PointLight) {
 /// A scene of matte white meshes.
 pub(super) fn white_scene(meshes: &[&Polyhedron], kernel: Kernel) -> Scene {
     let builder = SceneBuilder {
-        materials: vec![matte(Vec3::ONE)],
+        materials: vec![Material::lambert(Vec3::ONE)],
         meshes: meshes.iter().map(|mesh| mesh.mesh(0)).collect(),
         kernel,
         ..SceneBuilder::default()
     };
     builder.build().0
+}
+
+/// The ray from `eye` along `direction`, of unit length, in a scene's own coordinates.
+pub(super) fn ray_in(scene: &Scene, eye: DVec3, direction: DVec3) -> Ray {
+    let origin = (eye - scene.origin).as_vec3();
+    Ray::new(origin, direction.normalize().as_vec3())
 }
 
 /// What each of some rays that have nothing in common meets first.
@@ -83,10 +70,7 @@ pub(super) const DIRECT: Integrator = Integrator::RayTracing { bounces: 0 };
 /// The light that comes to `eye` along `direction`.
 pub(super) fn seen(scene: &Scene, integrator: &Integrator, eye: DVec3, direction: DVec3) -> Vec3 {
     let sample = CameraSample {
-        ray: Ray::new(
-            (eye - scene.origin).as_vec3(),
-            direction.normalize().as_vec3(),
-        ),
+        ray: ray_in(scene, eye, direction),
         sequence: Sequence::new(0, 0, 0, 0),
         index: 0,
     };

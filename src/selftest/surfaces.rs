@@ -1,12 +1,12 @@
 use super::shapes::Polyhedron;
-use super::stage::{DIRECT, first_hits, lamp, matte, seen, white_scene};
+use super::stage::{DIRECT, first_hits, lamp, ray_in, seen, white_scene};
 use crate::accel::{Kernel, Point};
 use crate::geometry::{Hit, Sphere, Transform};
-use crate::material::Only;
+use crate::material::{Material, Only};
 use crate::math::{NO_PRIMITIVE, Ray, to_world};
 use crate::sampling::{Random, cosine_hemisphere};
 use crate::scene::{Scene, SceneBuilder};
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// A ray that leaves a point in a direction by chance, its density that of the cosine; the shape that it
@@ -69,10 +69,7 @@ pub(super) fn leaving_triangles(kernel: Kernel) -> f64 {
                 let target = quad.corners[0] + size * (f64::from(u) * right + f64::from(v) * up);
                 let way = random.point();
                 let eye = target + distance * way.normalize_or(DVec3::Y);
-                Ray::new(
-                    (eye - scene.origin).as_vec3(),
-                    (target - eye).normalize().as_vec3(),
-                )
+                ray_in(&scene, eye, target - eye)
             });
             let rays: Vec<Ray> = rays.collect();
             let left = leaving(&scene, &rays, random);
@@ -92,16 +89,12 @@ pub(super) fn leaving_spheres(kernel: Kernel) -> f64 {
     let mut again = 0;
     for radius in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
         for center in [0.0, 0.7 * radius, 1e3 * radius] {
-            let sphere = Sphere {
-                center: DVec3::splat(center),
-                radius,
-                rotation: DMat3::IDENTITY,
-            };
+            let sphere = Sphere::new(DVec3::splat(center), radius);
             // Two more, so that coordinates are not relative to the sphere's centre.
-            let other = |center: DVec3| Sphere { center, ..sphere };
+            let other = |center: DVec3| Sphere::new(center, radius);
             let far = DVec3::splat(center + 4.0 * radius);
             let builder = SceneBuilder {
-                materials: vec![matte(Vec3::ONE)],
+                materials: vec![Material::lambert(Vec3::ONE)],
                 spheres: [sphere, other(-far), other(-far - 4.0 * radius)]
                     .map(|sphere| (sphere, 0))
                     .to_vec(),
@@ -109,16 +102,12 @@ pub(super) fn leaving_spheres(kernel: Kernel) -> f64 {
                 ..SceneBuilder::default()
             };
             let (scene, _) = builder.build();
-            let origin = sphere.center - scene.origin;
             let mut random = Random::new(7);
             for distance in [0.5, 1.5, 3.0, 100.0] {
                 let rays = (0..3000).map(|_| {
                     let eye = radius * distance * random.point().normalize_or(DVec3::X);
                     let target = radius * random.point();
-                    Ray::new(
-                        (origin + eye).as_vec3(),
-                        (target - eye).normalize().as_vec3(),
-                    )
+                    ray_in(&scene, sphere.center + eye, target - eye)
                 });
                 let rays: Vec<Ray> = rays.collect();
                 let hits = first_hits(&scene, &rays);
@@ -171,8 +160,7 @@ pub(super) fn closed_corner(kernel: Kernel) -> f64 {
                     target[axis] = (0.5_f64 - 1e-4).copysign(random.point().x);
                 }
                 target[2] = 0.5_f64.copysign(random.point().x);
-                let way = place.point(target) - eye;
-                Ray::new((eye - scene.origin).as_vec3(), way.normalize().as_vec3())
+                ray_in(&scene, eye, place.point(target) - eye)
             });
             let mut rays: Vec<Ray> = rays.collect();
             let set_out = rays.len();
@@ -195,7 +183,7 @@ pub(super) fn thin_wall(kernel: Kernel) -> f64 {
     let (front, back) = (side(1000.3), side(1000.3 - 1e-6));
     let twin = front.moved(|p| -p);
     let builder = SceneBuilder {
-        materials: vec![matte(Vec3::ONE)],
+        materials: vec![Material::lambert(Vec3::ONE)],
         meshes: [&front, &back, &twin, &twin]
             .map(|mesh| mesh.mesh(0))
             .to_vec(),

@@ -1,13 +1,12 @@
-use super::stage::{first_hits, matte, worse};
+use super::stage::{first_hits, ray_in, worse};
 use crate::accel::Kernel;
 use crate::geometry::Sphere;
 use crate::material::{Material, Only};
-use crate::math::Ray;
 use crate::math::color::srgb_to_linear;
 use crate::sampling::Random;
 use crate::scene::{MeshMaterial, SceneBuilder, SourceMesh};
 use crate::texture::Texture;
-use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
 /// A texture, and how to read it in double precision.
@@ -102,7 +101,7 @@ pub(super) fn coordinates(_: Kernel) -> f64 {
 fn textured() -> Material {
     Material {
         texture: Some(0),
-        ..matte(Vec3::ONE)
+        ..Material::lambert(Vec3::ONE)
     }
 }
 
@@ -111,11 +110,7 @@ fn textured() -> Material {
 pub(super) fn poles_and_seam(kernel: Kernel) -> f64 {
     let picture = Picture::colorful(8, 6);
     let center = DVec3::new(3.0, -2.0, 5.0);
-    let globe = Sphere {
-        center,
-        radius: 2.0,
-        rotation: DMat3::IDENTITY,
-    };
+    let globe = Sphere::new(center, 2.0);
     let builder = SceneBuilder {
         materials: vec![textured()],
         textures: vec![picture.texture()],
@@ -133,8 +128,7 @@ pub(super) fn poles_and_seam(kernel: Kernel) -> f64 {
         let beside = [0.0, 1e-6, 1e-2][random.below(3)];
         let target = center + 2.0 * (mark + beside * random.point()).normalize();
         let eye = center + [0.8, 8.0][random.below(2)] * random.point();
-        let origin = (eye - scene.origin).as_vec3();
-        let ray = Ray::new(origin, (target - eye).as_vec3());
+        let ray = ray_in(&scene, eye, target - eye);
         let Some(hit) = first_hits(&scene, &[ray])[0] else {
             continue;
         };
@@ -192,7 +186,7 @@ pub(super) fn equal_corners(kernel: Kernel) -> f64 {
         for _ in 0..1000 {
             let (u, v) = (0.5 * random.unit(), 0.5 * random.unit());
             let target = DVec3::new(u.into(), v.into(), 0.0);
-            let ray = Ray::new((target + DVec3::Z - scene.origin).as_vec3(), Vec3::NEG_Z);
+            let ray = ray_in(&scene, target + DVec3::Z, DVec3::NEG_Z);
             let Some(hit) = first_hits(&scene, &[ray])[0] else {
                 return 1.0;
             };

@@ -1,6 +1,6 @@
 use super::shapes::Polyhedron;
 use super::stage::{first_hits, sine, white_scene, worse};
-use crate::accel::{Bvh, Kernel, Traversal};
+use crate::accel::{Bvh, Kernel, SAME_DISTANCE, Traversal};
 use crate::geometry::Transform;
 use crate::material::Only;
 use crate::math::Ray;
@@ -19,8 +19,7 @@ pub(super) fn vertices_and_edges(kernel: Kernel) -> f64 {
         let [one, other] = [bvh, reversed].map(|bvh| bvh.closest(ray, &mut traversal));
         let is_right = match (one, other) {
             (Some(one), Some(other)) => {
-                // Distances within a share of 2^-28 are the same.
-                let differs = (one.t - other.t).abs() > 4e-9 * expected;
+                let differs = (one.t - other.t).abs() > SAME_DISTANCE * expected;
                 (one.t - expected).abs() <= 1e-6 * expected && !differs
             }
             _ => false,

@@ -4,7 +4,7 @@
 
 pub(crate) mod statistics;
 
-use flythrough::camera::{Camera, CameraPath, Interpolation, Keyframe, Orientation};
+use flythrough::camera::{Camera, CameraPath};
 use flythrough::input::{InputFiles, load_camera_path, load_scene};
 use flythrough::integrator::Integrator;
 use flythrough::render::{PixelSampling, RenderSettings, render_frame};
@@ -53,15 +53,7 @@ pub(crate) const GREY: &str = "materials: {\"grey\": (diffuse: (0.5, 0.5, 0.5))}
 
 /// A camera that looks from a point to another, its vertical field of view in degrees.
 pub(crate) fn camera(position: DVec3, target: DVec3, degrees: f64) -> Camera {
-    let key = Keyframe {
-        time: 0.0,
-        position,
-        orientation: Orientation::LookAt(target),
-        field_of_view: degrees.to_radians(),
-    };
-    CameraPath::new(1.0, Interpolation::Linear, &[key])
-        .unwrap()
-        .camera(0)
+    Camera::look_at(position, target, degrees.to_radians()).unwrap()
 }
 
 pub(crate) fn settings(integrator: Integrator, width: u32, height: u32) -> RenderSettings {

@@ -1,6 +1,6 @@
 //! What the fuzz targets share: a folder for input files, and a look at the scenes that are accepted.
 
-use flythrough::camera::{CameraPath, Interpolation, Keyframe, Orientation};
+use flythrough::camera::Camera;
 use flythrough::input::{InputFiles, load_scene};
 use flythrough::integrator::Integrator;
 use flythrough::render::{PixelSampling, RenderSettings, render_frame};
@@ -50,14 +50,8 @@ fn render(scene: &Scene) {
     let target = scene.origin + middle;
     let away = size.max_element().max(1e-6) * 1.5;
     for eye in [target + away, target + 1e-3 * away] {
-        let key = Keyframe {
-            time: 0.0,
-            position: eye,
-            orientation: Orientation::LookAt(target),
-            field_of_view: 0.8,
-        };
         // Far from the origin a small scene may have no room for a camera of its own.
-        let Ok(path) = CameraPath::new(1.0, Interpolation::Linear, &[key]) else {
+        let Ok(camera) = Camera::look_at(eye, target, 0.8) else {
             continue;
         };
         for integrator in [
@@ -74,7 +68,7 @@ fn render(scene: &Scene) {
                 sampling: PixelSampling::Center,
                 seed: 0,
             };
-            let rendered = render_frame(scene, &path.camera(0), &settings, 0, &|_| ());
+            let rendered = render_frame(scene, &camera, &settings, 0, &|_| ());
             for pixel in rendered.film.pixels() {
                 assert!(pixel.min_element() >= 0.0, "{pixel}");
             }

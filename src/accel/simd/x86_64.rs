@@ -1,0 +1,154 @@
+//! Lanes in one register.
+#![expect(
+    unsafe_code,
+    reason = "vector instructions; each block states why it is sound"
+)]
+
+use super::Floats;
+use std::arch::x86_64::*;
+
+/// A type of lanes in one register. Values exist only inside functions that are compiled for
+/// the instructions and called after the processor was found to have them: every block relies
+/// on that.
+macro_rules! register {
+    ($(#[$doc:meta])* $name:ident, $register:ty, $lanes:literal,
+     $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $mul_sub:ident,
+     $min:ident, $max:ident, $least:ident, $greatest:ident, |$a:ident, $b:ident| $lt:expr, $le:expr, $zero_below:expr) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy)]
+        pub(in super::super) struct $name($register);
+
+        impl Floats<$lanes> for $name {
+            #[inline(always)]
+            fn splat(value: f32) -> Self {
+                // SAFETY: the instructions are present; see the macro.
+                $name(unsafe { $set1(value) })
+            }
+            #[inline(always)]
+            fn load(lanes: &[f32; $lanes]) -> Self {
+                // SAFETY: as above; the pointer covers all lanes and needs no alignment.
+                $name(unsafe { $load(lanes.as_ptr()) })
+            }
+            #[inline(always)]
+            fn store(self) -> [f32; $lanes] {
+                let mut lanes = [0.0; $lanes];
+                // SAFETY: as above; the pointer covers all lanes and needs no alignment.
+                unsafe { $store(lanes.as_mut_ptr(), self.0) };
+                lanes
+            }
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                // SAFETY: the instructions are present; see the macro.
+                $name(unsafe { $add(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn least(self) -> f32 {
+                // SAFETY: the instructions are present; see the macro.
+                unsafe { $least(self.0) }
+            }
+            #[inline(always)]
+            fn greatest(self) -> f32 {
+                // SAFETY: the instructions are present; see the macro.
+                unsafe { $greatest(self.0) }
+            }
+            #[inline(always)]
+            fn zero_below(self, threshold: f32) -> Self {
+                let ($a, $b) = (self.0, Self::splat(threshold).0);
+                // SAFETY: the instructions are present; see the macro.
+                $name(unsafe { $zero_below })
+            }
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self {
+                // SAFETY: the instructions are present; see the macro.
+                $name(unsafe { $sub(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn mul(self, other: Self) -> Self {
+                // SAFETY: the instructions are present; see the macro.
+                $name(unsafe { $mul(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn div(self, other: Self) -> Self {
+                // SAFETY: the instructions are present; see the macro.
+                $name(unsafe { $div(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                // SAFETY: the instructions are present; see the macro.
+                $name(unsafe { $sqrt(self.0) })
+            }
+            #[inline(always)]
+            fn mul_sub(self, factor: Self, other: Self) -> Self {
+                // SAFETY: the instructions are present; see the macro.
+                $name(unsafe { $mul_sub(self.0, factor.0, other.0) })
+            }
+            #[inline(always)]
+            fn min(self, other: Self) -> Self {
+                // SAFETY: the instructions are present; see the macro.
+                $name(unsafe { $min(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn max(self, other: Self) -> Self {
+                // SAFETY: the instructions are present; see the macro.
+                $name(unsafe { $max(self.0, other.0) })
+            }
+            #[inline(always)]
+            fn lt(self, other: Self) -> u32 {
+                let ($a, $b) = (self.0, other.0);
+                // SAFETY: the instructions are present; see the macro.
+                unsafe { $lt }
+            }
+            #[inline(always)]
+            fn le(self, other: Self) -> u32 {
+                let ($a, $b) = (self.0, other.0);
+                // SAFETY: the instructions are present; see the macro.
+                unsafe { $le }
+            }
+        }
+    };
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn least(lanes: __m256) -> f32 {
+    let lanes = _mm_min_ps(
+        _mm256_castps256_ps128(lanes),
+        _mm256_extractf128_ps::<1>(lanes),
+    );
+    let lanes = _mm_min_ps(lanes, _mm_movehl_ps(lanes, lanes));
+    _mm_cvtss_f32(_mm_min_ss(lanes, _mm_shuffle_ps::<1>(lanes, lanes)))
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn greatest(lanes: __m256) -> f32 {
+    let lanes = _mm_max_ps(
+        _mm256_castps256_ps128(lanes),
+        _mm256_extractf128_ps::<1>(lanes),
+    );
+    let lanes = _mm_max_ps(lanes, _mm_movehl_ps(lanes, lanes));
+    _mm_cvtss_f32(_mm_max_ss(lanes, _mm_shuffle_ps::<1>(lanes, lanes)))
+}
+
+register!(
+    /// A 256-bit register, for AVX2 and FMA.
+    Avx2, __m256, 8,
+    _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps,
+    _mm256_div_ps, _mm256_sqrt_ps, _mm256_fmsub_ps, _mm256_min_ps, _mm256_max_ps, least, greatest,
+    |a, b| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32,
+    _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32,
+    {
+        let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), a);
+        _mm256_andnot_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(size, b), a)
+    }
+);
+
+register!(
+    /// A 512-bit register, for AVX-512 F.
+    Avx512, __m512, 16,
+    _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps,
+    _mm512_div_ps, _mm512_sqrt_ps, _mm512_fmsub_ps, _mm512_min_ps, _mm512_max_ps, _mm512_reduce_min_ps, _mm512_reduce_max_ps,
+    |a, b| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b).into(),
+    _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b).into(),
+    _mm512_maskz_mov_ps(!_mm512_cmp_ps_mask::<_CMP_LT_OQ>(_mm512_abs_ps(a), b), a)
+);

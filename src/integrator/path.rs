@@ -108,6 +108,34 @@ impl Path {
             seen_by_lights * distance_squared / cos
         });
         let both = (1.0 - Choice::SPOT_SHARE) * cosine_density + Choice::SPOT_SHARE * spot_density;
-        cosine_density / both
+        // A direction along the very horizon has no density at all.
+        if both > 0.0 {
+            cosine_density / both
+        } else {
+            0.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn directions_along_the_horizon_weigh_nothing() {
+        let weight = |density| {
+            let path = Path {
+                ray: Ray::new(Vec3::ZERO, Vec3::X),
+                sequence: Sequence::new(0, 0, 0, 0),
+                depth: 1,
+                diffuse_bounces: 1,
+                index: 0,
+                choice: Choice::Cosine { density },
+            };
+            path.weight(None, 0.0)
+        };
+        assert_eq!(weight(0.0), 0.0);
+        assert_eq!(weight(0.3), 1.0 / 0.75);
     }
 }

@@ -55,6 +55,10 @@ pub(super) struct RenderArguments {
     /// File format of the frames
     #[arg(long, value_enum, default_value = "png")]
     pub(super) format: FormatArgument,
+    /// Also keep, beside each frame of the montecarlo modes, error_00000.exr: how far chance may have moved
+    /// every pixel (half the difference between the two halves of its samples; linear light)
+    #[arg(long, value_enum, value_name = "LAYER")]
+    pub(super) aov: Option<AovArgument>,
     /// Render frames even if they are there already
     #[arg(long)]
     pub(super) force: bool,
@@ -96,6 +100,10 @@ pub(super) struct SettingsArguments {
     /// Exposure in stops: +1 doubles the light of PNG frames; EXR keeps it as it is [default: 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
+    /// Add samples to each frame of the montecarlo modes, where it needs them, until its error (relMSE)
+    /// is surely below this, as in 0.001 [default: the samples given]
+    #[arg(long, value_name = "X")]
+    target_error: Option<f64>,
 }
 
 impl SettingsArguments {
@@ -108,6 +116,7 @@ impl SettingsArguments {
             splits: self.splits.clone(),
             seed: self.seed,
             exposure: self.exposure,
+            target_error: self.target_error,
         }
     }
 }
@@ -120,6 +129,12 @@ pub(super) enum FormatArgument {
     Png16,
     /// 32-bit floats, linear
     Exr,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum AovArgument {
+    /// The error of every pixel
+    Error,
 }
 
 impl From<FormatArgument> for FrameFormat {

@@ -3,12 +3,22 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+/// What the bar counts.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Steps {
+    /// So many in each frame.
+    Tiles(u64),
+    /// Frames that are finished.
+    Frames,
+}
+
 /// One bar for the whole sequence: frames, rays per second, time left.
 ///
-/// It moves with every tile, so the forecast needs no whole frame, and it counts only frames that
-/// are rendered now. Where there is no terminal, only failures are shown.
+/// Where it moves with every tile, the forecast needs no whole frame. It counts only frames that are
+/// rendered now. Where there is no terminal, only failures are shown.
 pub(super) struct SequenceProgress {
     bar: ProgressBar,
+    steps: Steps,
     frames: u64,
     frames_done: AtomicU64,
     rays: AtomicU64,
@@ -16,17 +26,22 @@ pub(super) struct SequenceProgress {
 }
 
 impl SequenceProgress {
-    pub(super) fn new(frames: u64, tiles_per_frame: u64, quiet: bool) -> SequenceProgress {
+    pub(super) fn new(frames: u64, steps: Steps, quiet: bool) -> SequenceProgress {
         let target = if quiet {
             ProgressDrawTarget::hidden()
         } else {
             ProgressDrawTarget::stderr()
         };
-        let bar = ProgressBar::with_draw_target(Some(frames * tiles_per_frame), target);
+        let steps_per_frame = match steps {
+            Steps::Tiles(count) => count,
+            Steps::Frames => 1,
+        };
+        let bar = ProgressBar::with_draw_target(Some(frames * steps_per_frame), target);
         let style = ProgressStyle::with_template("{bar:30} {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         SequenceProgress {
             bar,
+            steps,
             frames,
             frames_done: AtomicU64::new(0),
             rays: AtomicU64::new(0),
@@ -59,12 +74,17 @@ impl SequenceProgress {
 impl Observer for SequenceProgress {
     fn tile_done(&self, rays: u64) {
         self.rays.fetch_add(rays, Ordering::Relaxed);
-        self.bar.inc(1);
+        if matches!(self.steps, Steps::Tiles(_)) {
+            self.bar.inc(1);
+        }
         self.update();
     }
 
     fn frame_done(&self, frame: u32, failure: Option<&SinkError>) {
         self.frames_done.fetch_add(1, Ordering::Relaxed);
+        if matches!(self.steps, Steps::Frames) {
+            self.bar.inc(1);
+        }
         if let Some(error) = failure {
             self.bar
                 .suspend(|| eprintln!("frame {frame} failed: {error}"));

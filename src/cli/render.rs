@@ -1,15 +1,17 @@
 use super::args::RenderArguments;
-use super::progress::{SequenceProgress, clock, rays_per_second};
+use super::progress::{SequenceProgress, Steps, clock, rays_per_second};
 use super::{Failure, Status, warn};
 use crate::input::{InputFiles, load_camera_path, load_scene};
-use crate::output::{FrameFolder, FrameFormat, SequenceInfo};
-use crate::render::{render_sequence, tile_count};
+use crate::output::{FrameFolder, FrameFormat, FrameStorage, Manifest, SequenceInfo};
+use crate::render::{ErrorEstimate, render_sequence, tile_count};
 use std::io::Write;
 use std::time::Instant;
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     let flags = arguments.settings.settings();
-    flags.check().map_err(|error| format!("--{error}"))?;
+    flags
+        .check()
+        .map_err(|error| format!("--{}: {}", error.key.replace('_', "-"), error.message))?;
     let mut files = InputFiles::default();
     let path = load_camera_path(&arguments.path, &mut files)?;
     let threads = match arguments.threads {
@@ -22,6 +24,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     let scene = pool.install(|| load_scene(&arguments.scene, &mut files))?;
     warn(&scene.warnings);
     let given = flags.or(path.settings).or(scene.settings);
+    given.check_together()?;
     let settings = given.resolve();
     let exposure = given.exposure.unwrap_or(0.0);
 
@@ -52,14 +55,23 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
         extension: format.extension().to_owned(),
         fingerprint: fingerprint.finalize().to_string(),
     };
-    let folder = FrameFolder::open(&arguments.out, format, exposure, &info, arguments.force)?;
+    let storage = FrameStorage {
+        format,
+        exposure,
+        error_maps: arguments.aov.is_some(),
+    };
+    let folder = FrameFolder::open(&arguments.out, storage, &info, arguments.force)?;
     let missing: Vec<u32> = frames
         .iter()
         .copied()
         .filter(|&frame| arguments.force || !folder.has(frame))
         .collect();
-    let progress =
-        SequenceProgress::new(missing.len() as u64, tile_count(&settings), arguments.quiet);
+    // How many samples a frame will need until it is good enough nobody knows: it counts as a whole.
+    let steps = match settings.target_error {
+        Some(_) => Steps::Frames,
+        None => Steps::Tiles(tile_count(&settings)),
+    };
+    let progress = SequenceProgress::new(missing.len() as u64, steps, arguments.quiet);
     let start = Instant::now();
     let outcome = render_sequence(
         &scene.scene,
@@ -79,6 +91,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
             outcome.non_finite_samples
         )]);
     }
+    Manifest::of(&folder, count).write(&folder)?;
     let rendered = missing.len() - outcome.failures.len();
     if !arguments.quiet {
         // Nobody has to read it: the exit status says what matters.
@@ -91,10 +104,35 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
             outcome.failures.len(),
             arguments.out.display()
         );
+        if let Some(errors) = summary(&outcome.errors) {
+            let _ = writeln!(std::io::stdout(), "{errors}");
+        }
+    }
+    if let Some(target) = settings.target_error {
+        let above = |error: &ErrorEstimate| error.interval()[1] > target;
+        let count = outcome.errors.iter().filter(|(_, e)| above(e)).count();
+        if count > 0 {
+            warn(&[format!(
+                "{count} frames stayed above the error of {target} with all the samples that a pixel can take"
+            )]);
+        }
     }
     Ok(if outcome.failures.is_empty() {
         Status::Done
     } else {
         Status::SomeFailed
     })
+}
+
+/// The errors of the frames that were rendered; none where nothing was left to chance.
+fn summary(errors: &[(u32, ErrorEstimate)]) -> Option<String> {
+    let error = |(_, error): &(u32, ErrorEstimate)| error.relative_square_error;
+    let worst = errors.iter().max_by(|a, b| error(a).total_cmp(&error(b)))?;
+    let mean = errors.iter().map(error).sum::<f64>() / errors.len() as f64;
+    let [low, high] = worst.1.interval();
+    Some(format!(
+        "error (relMSE) {mean:.2e} on average, at worst {:.2e} ({low:.2e} to {high:.2e}) in frame {}",
+        error(worst),
+        worst.0,
+    ))
 }

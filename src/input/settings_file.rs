@@ -74,6 +74,8 @@ pub struct Settings {
     pub seed: Option<u32>,
     /// Exposure in stops.
     pub exposure: Option<f32>,
+    /// Samples are added until a frame's relMSE is below this.
+    pub target_error: Option<f64>,
 }
 
 /// A frame of 16,384 x 16,384: more than 3 GB while it is rendered.
@@ -100,6 +102,7 @@ impl Settings {
             splits: self.splits.or(weaker.splits),
             seed: self.seed.or(weaker.seed),
             exposure: self.exposure.or(weaker.exposure),
+            target_error: self.target_error.or(weaker.target_error),
         }
     }
 
@@ -139,6 +142,28 @@ impl Settings {
                 message,
             });
         }
+        if let Some(target) = self.target_error
+            && !(1e-6..=1.0).contains(&target)
+        {
+            let message = format!("{target} is not between 0.000001 and 1");
+            return Err(SettingsError {
+                key: "target_error",
+                message,
+            });
+        }
+        Ok(())
+    }
+
+    /// Refuses settings of which one makes no sense beside another, once all sources are put together.
+    pub fn check_together(&self) -> Result<(), SettingsError> {
+        let mode = self.mode.unwrap_or_default();
+        let by_chance = matches!(mode, Mode::Montecarlo | Mode::MontecarloSupersampling);
+        if self.target_error.is_some() && !by_chance {
+            return Err(SettingsError {
+                key: "target_error",
+                message: format!("{mode} has no noise to be made less; choose a montecarlo mode"),
+            });
+        }
         Ok(())
     }
 
@@ -161,11 +186,11 @@ impl Settings {
             (None, Mode::Raytracing | Mode::Montecarlo) => PixelSampling::Center,
         };
         RenderSettings {
-            width,
-            height,
-            integrator,
             sampling,
             seed: self.seed.unwrap_or(0),
+            white: libm::exp2f(-self.exposure.unwrap_or(0.0)),
+            target_error: self.target_error,
+            ..RenderSettings::new(integrator, width, height)
         }
     }
 }

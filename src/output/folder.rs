@@ -1,6 +1,8 @@
+use super::exr_file;
 use super::format::FrameFormat;
+use super::record::FrameRecord;
 use crate::film::Film;
-use crate::render::{FrameSink, SinkError};
+use crate::render::{EncodedFrame, FrameSink, RenderedFrame, SinkError};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write};
@@ -56,17 +58,26 @@ pub enum FolderError {
 #[derive(Debug)]
 pub struct FrameFolder {
     folder: PathBuf,
-    format: FrameFormat,
-    exposure: f32,
+    storage: FrameStorage,
+}
+
+/// How frames are kept.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameStorage {
+    /// The format of their files.
+    pub format: FrameFormat,
+    /// Stops that are applied to what is stored for display.
+    pub exposure: f32,
+    /// Whether the error of every pixel is kept beside the frame.
+    pub error_maps: bool,
 }
 
 impl FrameFolder {
     /// Makes the folder and proves that it can be written. Refuses one that holds frames of
-    /// something else, unless `force`. `exposure` in stops is applied to the frames kept.
+    /// something else, unless `force`.
     pub fn open(
         folder: &Path,
-        format: FrameFormat,
-        exposure: f32,
+        storage: FrameStorage,
         info: &SequenceInfo,
         force: bool,
     ) -> Result<FrameFolder, FolderError> {
@@ -77,8 +88,7 @@ impl FrameFolder {
         fs::create_dir_all(folder).map_err(unwritable)?;
         let frames = FrameFolder {
             folder: folder.to_owned(),
-            format,
-            exposure,
+            storage,
         };
         let there = fs::read_to_string(folder.join(INFO_FILE)).ok();
         let same = there
@@ -100,15 +110,31 @@ impl FrameFolder {
         Ok(frames)
     }
 
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.folder
+    }
+
     /// The file of a frame.
     pub fn file_of(&self, frame: u32) -> PathBuf {
-        let extension = self.format.extension();
+        let extension = self.storage.format.extension();
         self.folder.join(format!("frame_{frame:05}.{extension}"))
     }
 
     /// Whether a frame is there.
     pub fn has(&self, frame: u32) -> bool {
         self.file_of(frame).is_file()
+    }
+
+    /// What the file of a frame says of it; none if it is not there or says nothing.
+    pub fn record(&self, frame: u32) -> Option<FrameRecord> {
+        let note = self
+            .storage
+            .format
+            .note(&self.file_of(frame))
+            .ok()
+            .flatten()?;
+        FrameRecord::from_text(&note)
     }
 
     fn holds_frames(&self) -> io::Result<bool> {
@@ -122,22 +148,46 @@ impl FrameFolder {
 }
 
 impl FrameSink for FrameFolder {
-    fn encode(&self, mut film: Film) -> Result<Vec<u8>, SinkError> {
-        if self.format != FrameFormat::Exr {
-            film.expose(self.exposure);
+    fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
+        let RenderedFrame {
+            mut film, noise, ..
+        } = rendered;
+        if self.storage.format != FrameFormat::Exr {
+            film.expose(self.storage.exposure);
         }
-        Ok(self.format.encode(&film)?)
+        let error = noise.as_ref().map(|noise| noise.error);
+        let note = FrameRecord::new(frame, error).to_text()?;
+        let picture = self.storage.format.encode(&film, &note)?;
+        let wanted = noise.filter(|_| self.storage.error_maps);
+        let error_map = wanted.map(|noise| exr_file::encode(&magnitude(noise.deviation), &note));
+        Ok(EncodedFrame {
+            picture,
+            error_map: error_map.transpose()?,
+        })
     }
 
-    fn keep(&self, frame: u32, bytes: &[u8]) -> Result<(), SinkError> {
-        let file = self.file_of(frame);
-        write_whole(&file, bytes).map_err(|error| format!("{}: {error}", file.display()))?;
+    fn keep(&self, frame: u32, encoded: &EncodedFrame) -> Result<(), SinkError> {
+        let keep = |file: PathBuf, bytes: &[u8]| {
+            write_whole(&file, bytes).map_err(|error| format!("{}: {error}", file.display()))
+        };
+        // The frame comes last: where it is, all of it is.
+        if let Some(map) = &encoded.error_map {
+            keep(self.folder.join(format!("error_{frame:05}.exr")), map)?;
+        }
+        keep(self.file_of(frame), &encoded.picture)?;
         Ok(())
     }
 }
 
+fn magnitude(mut film: Film) -> Film {
+    for pixel in film.pixels_mut() {
+        *pixel = pixel.abs();
+    }
+    film
+}
+
 /// Writes a file so that it is there whole or not at all, even if the machine stops in between.
-fn write_whole(file: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(super) fn write_whole(file: &Path, bytes: &[u8]) -> io::Result<()> {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     // The process number keeps two programs that write one folder apart.
     let temporary = file.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
@@ -169,8 +219,20 @@ mod tests {
         }
     }
 
+    fn picture() -> EncodedFrame {
+        EncodedFrame {
+            picture: b"frame".to_vec(),
+            error_map: None,
+        }
+    }
+
     fn open(folder: &Path, fingerprint: &str, force: bool) -> Result<FrameFolder, FolderError> {
-        FrameFolder::open(folder, FrameFormat::Png, 0.0, &info(fingerprint), force)
+        let storage = FrameStorage {
+            format: FrameFormat::Png,
+            exposure: 0.0,
+            error_maps: false,
+        };
+        FrameFolder::open(folder, storage, &info(fingerprint), force)
     }
 
     #[test]
@@ -179,8 +241,8 @@ mod tests {
         let folder = root.path().join("deep/er");
         let frames = open(&folder, "a", false).expect("new");
         assert!(!frames.has(7));
-        frames.keep(7, b"frame").expect("kept");
-        frames.keep(123_456, b"frame").expect("kept");
+        frames.keep(7, &picture()).expect("kept");
+        frames.keep(123_456, &picture()).expect("kept");
         assert!(frames.has(7));
         let entries = fs::read_dir(&folder)
             .expect("there")
@@ -199,7 +261,7 @@ mod tests {
         open(root.path(), "a", false).expect("new");
         open(root.path(), "b", false)
             .expect("no frames yet")
-            .keep(0, b"frame")
+            .keep(0, &picture())
             .expect("kept");
         open(root.path(), "b", false).expect("the same again");
         assert!(matches!(
@@ -216,7 +278,7 @@ mod tests {
         let frames = open(root.path(), "a", false).expect("new");
         fs::create_dir(root.path().join("frame_00001.png")).expect("made");
         let error = frames
-            .keep(1, b"frame")
+            .keep(1, &picture())
             .expect_err("in the way")
             .to_string();
         assert!(error.contains("frame_00001.png"), "{error}");

@@ -1,7 +1,13 @@
 //! Finished films to files: names, encodings, and a folder that never holds half a frame.
 
+mod exr_file;
 mod folder;
 mod format;
+mod manifest;
+mod record;
 
-pub use folder::{FolderError, FrameFolder, SequenceInfo};
+pub use exr_file::{decode as decode_exr, encode as encode_exr};
+pub use folder::{FolderError, FrameFolder, FrameStorage, SequenceInfo};
 pub use format::FrameFormat;
+pub use manifest::Manifest;
+pub use record::{FrameError, FrameRecord};

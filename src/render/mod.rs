@@ -3,10 +3,15 @@
 //! A frame is a pure function of (scene, camera, settings, frame number): the same bytes for any
 //! number of threads. Knows nothing of file formats, folders or terminals.
 
+mod allocation;
 mod frame;
+mod grid;
+mod noise;
+mod samples;
 mod sequence;
 mod settings;
 
-pub use frame::{RenderedFrame, render_frame, tile_count};
-pub use sequence::{FrameSink, Observer, Outcome, SinkError, render_sequence};
+pub use frame::{Noise, RenderedFrame, render_frame, tile_count};
+pub use noise::ErrorEstimate;
+pub use sequence::{EncodedFrame, FrameSink, Observer, Outcome, SinkError, render_sequence};
 pub use settings::{PixelSampling, RenderSettings};

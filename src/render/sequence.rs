@@ -1,7 +1,7 @@
-use super::frame::render_frame;
+use super::frame::{RenderedFrame, render_frame};
+use super::noise::ErrorEstimate;
 use super::settings::RenderSettings;
 use crate::camera::CameraPath;
-use crate::film::Film;
 use crate::scene::Scene;
 use std::sync::Mutex;
 use std::thread;
@@ -15,10 +15,19 @@ pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Takes finished frames, from several threads and in no fixed order.
 pub trait FrameSink: Sync {
-    /// The bytes to keep of a film. Is called on a thread of the pool: it may compute, not wait.
-    fn encode(&self, film: Film) -> Result<Vec<u8>, SinkError>;
-    /// Keeps a frame's bytes for good, or says why it could not. May wait for a disk.
-    fn keep(&self, frame: u32, bytes: &[u8]) -> Result<(), SinkError>;
+    /// What to keep of a frame. Is called on a thread of the pool: it may compute, not wait.
+    fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError>;
+    /// Keeps a frame for good, or says why it could not. May wait for a disk.
+    fn keep(&self, frame: u32, encoded: &EncodedFrame) -> Result<(), SinkError>;
+}
+
+/// The bytes to keep of a frame.
+#[derive(Debug)]
+pub struct EncodedFrame {
+    /// The picture.
+    pub picture: Vec<u8>,
+    /// The map of its error, if one is wanted.
+    pub error_map: Option<Vec<u8>>,
 }
 
 /// Is told how the work goes on, from several threads.
@@ -38,6 +47,8 @@ pub struct Outcome {
     pub rays: u64,
     /// Samples that were replaced by black because they were not finite.
     pub non_finite_samples: u64,
+    /// The errors of the frames that were kept and that chance had a part in, by number.
+    pub errors: Vec<(u32, ErrorEstimate)>,
 }
 
 /// Renders the numbered frames of a camera path, in the order given, each on all threads of the
@@ -58,22 +69,22 @@ pub fn render_sequence(
         while let Some(frame) = next() {
             let camera = path.camera(frame);
             let tile_done = |rays| observer.tile_done(rays);
-            let (encoded, rays, non_finite_samples) = pool.install(|| {
+            let (encoded, counted) = pool.install(|| {
                 let rendered = render_frame(scene, &camera, settings, frame, &tile_done);
-                (
-                    sink.encode(rendered.film),
-                    rendered.rays,
-                    rendered.non_finite_samples,
-                )
+                let error = rendered.noise.as_ref().map(|noise| noise.error);
+                let counted = (rendered.rays, rendered.non_finite_samples, error);
+                (sink.encode(frame, rendered), counted)
             });
-            let kept = encoded.and_then(|bytes| sink.keep(frame, &bytes));
+            let kept = encoded.and_then(|encoded| sink.keep(frame, &encoded));
             observer.frame_done(frame, kept.as_ref().err());
+            let (rays, non_finite_samples, error) = counted;
             let mut outcome = outcome.lock().expect("no holder panics");
             outcome.rays += rays;
             outcome.non_finite_samples += non_finite_samples;
-            outcome
-                .failures
-                .extend(kept.err().map(|error| (frame, error)));
+            match kept {
+                Ok(()) => outcome.errors.extend(error.map(|error| (frame, error))),
+                Err(error) => outcome.failures.push((frame, error)),
+            }
         }
     };
     // The drivers wait outside the pool, so that no pool thread can be caught running one frame
@@ -85,5 +96,6 @@ pub fn render_sequence(
     });
     let mut outcome = outcome.into_inner().expect("no holder panics");
     outcome.failures.sort_by_key(|(frame, _)| *frame);
+    outcome.errors.sort_by_key(|(frame, _)| *frame);
     outcome
 }

@@ -13,6 +13,12 @@ pub struct RenderSettings {
     pub sampling: PixelSampling,
     /// Chooses the random numbers; every frame gets its own from it.
     pub seed: u32,
+    /// The light that is displayed as white, above 0: errors count in proportion to the light, and where
+    /// that is less than a tenth of white, to the tenth.
+    pub white: f32,
+    /// Samples are added to a frame, where it needs them, until its relMSE is below this; above 0. Frames
+    /// without chance take no notice.
+    pub target_error: Option<f64>,
 }
 
 /// Where in a pixel its camera samples lie. Their mean is the pixel (box filter).
@@ -24,4 +30,19 @@ pub enum PixelSampling {
     Corners,
     /// This many, at least 1, well spread over the pixel's square.
     Spread(u32),
+}
+
+impl RenderSettings {
+    /// One sample in the middle of each pixel, seed 0, white is 1, as many samples as are given.
+    pub fn new(integrator: Integrator, width: u32, height: u32) -> RenderSettings {
+        RenderSettings {
+            width,
+            height,
+            integrator,
+            sampling: PixelSampling::Center,
+            seed: 0,
+            white: 1.0,
+            target_error: None,
+        }
+    }
 }

@@ -29,6 +29,14 @@ impl Sequence {
         Sequence { seed }
     }
 
+    /// The numbers of one of the halves in which a position's samples are taken, independent of those of
+    /// the other.
+    pub fn half(self, half: u32) -> Sequence {
+        Sequence {
+            seed: hash(self.seed ^ (half + 1).wrapping_mul(0x632b_e5ab)),
+        }
+    }
+
     /// Two numbers in [0, 1) of sample `index`, for the purpose numbered `pair`.
     ///
     /// Any 2^k consecutive samples from a multiple of 2^k on are stratified as well as points in a
@@ -181,6 +189,8 @@ mod tests {
             draw(Sequence::new(0, 0, 0, 1), 1),
             draw(Sequence::new(0, 1, 0, 0), 1),
             draw(Sequence::new(1, 0, 0, 0), 1),
+            draw(base.half(0), 1),
+            draw(base.half(1), 1),
             draw(base, 2),
             (0..n)
                 .map(|i| f64::from(base.sample_2d(i, 1)[1]) - 0.5)
@@ -189,8 +199,10 @@ mod tests {
                 .map(|i| f64::from(base.sample_1d(i, 1)) - 0.5)
                 .collect(),
         ];
-        for other in others {
-            let sum: f64 = first.iter().zip(&other).map(|(a, b)| 12.0 * a * b).sum();
+        let halves = (draw(base.half(0), 2), draw(base.half(1), 2));
+        let pairs = others.iter().map(|other| (&first, other));
+        for (first, other) in pairs.chain([(&halves.0, &halves.1)]) {
+            let sum: f64 = first.iter().zip(other).map(|(a, b)| 12.0 * a * b).sum();
             let covariance = sum / f64::from(n);
             // Five standard deviations of the mean of n products of independent uniforms.
             assert!(covariance.abs() < 5.0 / f64::from(n).sqrt(), "{covariance}");

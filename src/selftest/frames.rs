@@ -13,11 +13,9 @@ use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 
 fn settings(integrator: Integrator, sampling: PixelSampling) -> RenderSettings {
     RenderSettings {
-        width: 96,
-        height: 72,
-        integrator,
         sampling,
         seed: 1,
+        ..RenderSettings::new(integrator, 96, 72)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::geometry::Sphere;
 use crate::integrator::Integrator;
 use crate::material::Material;
 use crate::math::Ray;
-use crate::render::{PixelSampling, RenderSettings, render_frame};
+use crate::render::{RenderSettings, render_frame};
 use crate::sampling::Random;
 use crate::scene::SceneBuilder;
 use glam::{DVec2, DVec3, Vec3};
@@ -270,13 +270,7 @@ pub(super) fn ground(kernel: Kernel) -> f64 {
         ..SceneBuilder::default()
     };
     let (scene, _) = builder.build();
-    let settings = RenderSettings {
-        width: 160,
-        height: 90,
-        integrator: Integrator::RayTracing { bounces: 0 },
-        sampling: PixelSampling::Center,
-        seed: 0,
-    };
+    let settings = RenderSettings::new(Integrator::RayTracing { bounces: 0 }, 160, 90);
     let eye = DVec3::Y;
     let cameras: [Camera; 2] = [
         looking(eye, DVec3::new(0.3, 0.2, -4.0), 70.0),

@@ -7,7 +7,7 @@ pub(crate) mod statistics;
 use flythrough::camera::{Camera, CameraPath};
 use flythrough::input::{InputFiles, load_camera_path, load_scene};
 use flythrough::integrator::Integrator;
-use flythrough::render::{PixelSampling, RenderSettings, render_frame};
+use flythrough::render::{RenderSettings, render_frame};
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::path::{Path, PathBuf};
@@ -57,13 +57,7 @@ pub(crate) fn camera(position: DVec3, target: DVec3, degrees: f64) -> Camera {
 }
 
 pub(crate) fn settings(integrator: Integrator, width: u32, height: u32) -> RenderSettings {
-    RenderSettings {
-        width,
-        height,
-        integrator,
-        sampling: PixelSampling::Center,
-        seed: 0,
-    }
+    RenderSettings::new(integrator, width, height)
 }
 
 /// The pixels of one frame.

@@ -3,7 +3,7 @@
 use flythrough::camera::Camera;
 use flythrough::input::{InputFiles, load_scene};
 use flythrough::integrator::Integrator;
-use flythrough::render::{PixelSampling, RenderSettings, render_frame};
+use flythrough::render::{RenderSettings, render_frame};
 use flythrough::scene::Scene;
 use std::fs;
 use std::path::PathBuf;
@@ -61,13 +61,7 @@ fn render(scene: &Scene) {
                 splits: vec![2],
             },
         ] {
-            let settings = RenderSettings {
-                width: 4,
-                height: 3,
-                integrator,
-                sampling: PixelSampling::Center,
-                seed: 0,
-            };
+            let settings = RenderSettings::new(integrator, 4, 3);
             let rendered = render_frame(scene, &camera, &settings, 0, &|_| ());
             for pixel in rendered.film.pixels() {
                 assert!(pixel.min_element() >= 0.0, "{pixel}");

@@ -1,0 +1,72 @@
+use super::noise::{RelativeDeviations, mean_around};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// More passes than this no point takes.
+const MOST_PASSES: u32 = 1 << 16;
+
+/// How many passes the points of a frame should take, in proportion to each other.
+///
+/// The mean square error of a frame is least for its cost if samples are in proportion to the square root
+/// of their variance (Neyman 1934, "On the Two Different Aspects of the Representative Method"). What a
+/// point needs is told by its neighbours' first passes alone: no point's number of samples depends on what
+/// these samples are, so every mean stays unbiased.
+pub(super) struct Allocation {
+    /// The variance of one pass at each point, in proportion to the square of the light.
+    variances: Vec<f32>,
+}
+
+impl Allocation {
+    /// For points in rows of `width`, by the values and half the differences of the halves of one pass each.
+    pub(super) fn new(
+        values: &[Vec3],
+        deviations: &[Vec3],
+        width: usize,
+        white: f32,
+    ) -> Allocation {
+        let relative = RelativeDeviations::new(values, deviations, width, white, false);
+        let squares = relative.squares();
+        let around = |number: usize| {
+            let rings = [1, 2].map(|reach| mean_around(&squares, width, number, reach));
+            let rings = rings.into_iter().flatten();
+            let (sum, count) = rings.fold((0.0, 0), |(sum, count), ring| (sum + ring, count + 1));
+            // A frame of one point knows nothing else.
+            if count == 0 {
+                squares[number]
+            } else {
+                sum / count as f32
+            }
+        };
+        Allocation {
+            variances: (0..squares.len()).into_par_iter().map(around).collect(),
+        }
+    }
+
+    /// The passes of each point by which the frame's square error comes down to `share`, of 0 to 1, of what
+    /// it is after `taken` passes, if it falls as 1 / n. No point takes fewer than it has taken.
+    pub(super) fn passes(&self, taken: &[u32], share: f64) -> Vec<u32> {
+        let passes = |number: usize, scale: f64| {
+            let wanted = (scale * f64::from(self.variances[number].sqrt())).round();
+            (wanted.min(f64::from(MOST_PASSES)) as u32).max(taken[number])
+        };
+        let points = 0..taken.len();
+        let error = |scale: f64| -> f64 {
+            let variances = points.clone().zip(&self.variances);
+            let errors = variances.map(|(i, v)| f64::from(*v) / f64::from(passes(i, scale)));
+            errors.sum()
+        };
+        let goal = share * error(0.0);
+        let deviations: f64 = self.variances.iter().map(|v| f64::from(v.sqrt())).sum();
+        // Without rounding, and without those that have taken more already, this scale would do.
+        let (mut low, mut high) = (0.0, 2.0 * deviations / goal.max(f64::MIN_POSITIVE));
+        for _ in 0..32 {
+            let middle = 0.5 * (low + high);
+            *(if error(middle) > goal {
+                &mut low
+            } else {
+                &mut high
+            }) = middle;
+        }
+        points.clone().map(|number| passes(number, high)).collect()
+    }
+}

@@ -1,0 +1,207 @@
+use glam::Vec3;
+use rayon::prelude::*;
+use std::ops::{AddAssign, Div};
+
+/// How far a frame is from what it would be with endless samples, by the frame alone.
+///
+/// The error is relMSE: the mean over pixels and channels of (x - r)^2 / (m^2 + (white / 10)^2), of this very
+/// frame x, where r is the frame without noise, and m the mean of the pixels around the pixel. Where light is
+/// even, m^2 is the usual r^2; but chance moves it independently of the pixel, so that no noise is
+/// divided by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorEstimate {
+    /// An unbiased estimate of the frame's relMSE; at least 0.
+    pub relative_square_error: f64,
+    /// How much the error may differ from the estimate: the standard deviation of their difference.
+    pub standard_error: f64,
+}
+
+impl ErrorEstimate {
+    /// What holds the frame's error 19 times of 20.
+    pub fn interval(&self) -> [f64; 2] {
+        let reach = 1.96 * self.standard_error;
+        let (low, high) = (
+            self.relative_square_error - reach,
+            self.relative_square_error + reach,
+        );
+        [low.max(0.0), high]
+    }
+
+    /// The error of a picture, given how far half the difference of its halves is from 0, see
+    /// [`RelativeDeviations`].
+    ///
+    /// With halves r + a and r + b the picture is off by (a + b) / 2, and half their difference is
+    /// (a - b) / 2: the squares have the same expectation, and differ by a b. The variance of the sum of a b
+    /// over the channels is that of the squares of the covariance matrix of a, which neighbours estimate
+    /// twice, independently. That is too little where noise changes from pixel to pixel, and the fourth power
+    /// of a pixel's own difference, three times the square of its variance if noise is normal, is too much
+    /// where it is not: their mean is taken.
+    pub(super) fn of(deviations: &RelativeDeviations) -> ErrorEstimate {
+        let RelativeDeviations { values, reach } = deviations;
+        let count = values.len() as f64;
+        let squares: f64 = values.iter().map(|d| f64::from(d.length_squared())).sum();
+        let neighbours = values.iter().zip(values.iter().cycle().skip(*reach));
+        let products: f64 = neighbours.map(|(d, e)| f64::from(d.dot(*e)).powi(2)).sum();
+        let fourths: f64 = values
+            .iter()
+            .map(|d| f64::from(d.length_squared()).powi(2))
+            .sum();
+        let covariances = 4.0 * 0.5 * (products + fourths / 3.0);
+        // Pixels that share corners share noise: a pixel's correlation with the four beside it is 1/2,
+        // with the four across a corner 1/4. The sum of the squares is what the variance grows by.
+        let shared = if *reach == 1 { 1.0 } else { 2.25 };
+        ErrorEstimate {
+            relative_square_error: squares / count / 3.0,
+            standard_error: (shared * covariances).sqrt() / count / 3.0,
+        }
+    }
+}
+
+/// Half the difference of the halves of each pixel, in proportion to the light there.
+pub(super) struct RelativeDeviations {
+    values: Vec<Vec3>,
+    /// From a pixel to the nearest ones to either side that share no samples with it.
+    reach: usize,
+}
+
+impl RelativeDeviations {
+    /// Of rows of `width` pixels.
+    pub(super) fn new(
+        pixels: &[Vec3],
+        deviations: &[Vec3],
+        width: usize,
+        white: f32,
+        shared_corners: bool,
+    ) -> RelativeDeviations {
+        let reach = if shared_corners { 2 } else { 1 };
+        let floor = (0.1 * white).powi(2);
+        let relative = |number: usize| {
+            let around = mean_around(pixels, width, number, reach).unwrap_or(pixels[number]);
+            let square = around * around + floor;
+            deviations[number] / square.map(f32::sqrt)
+        };
+        RelativeDeviations {
+            values: (0..pixels.len()).into_par_iter().map(relative).collect(),
+            reach,
+        }
+    }
+
+    /// The square of each, the mean of its channels.
+    pub(super) fn squares(&self) -> Vec<f32> {
+        self.values
+            .iter()
+            .map(|d| d.length_squared() / 3.0)
+            .collect()
+    }
+}
+
+/// The mean of the up to eight values around one in a picture of rows of `width`, `reach` to either side.
+pub(super) fn mean_around<T>(values: &[T], width: usize, number: usize, reach: usize) -> Option<T>
+where
+    T: Copy + Default + AddAssign + Div<f32, Output = T>,
+{
+    let (x, y) = (number % width, number / width);
+    let height = values.len() / width;
+    let near = |at: usize, size: usize| {
+        let offsets = [at.checked_sub(reach), Some(at), Some(at + reach)];
+        offsets.into_iter().flatten().filter(move |c| *c < size)
+    };
+    let mut sum = T::default();
+    let mut count = 0;
+    for row in near(y, height) {
+        for column in near(x, width).filter(|column| (*column, row) != (x, y)) {
+            sum += values[row * width + column];
+            count += 1;
+        }
+    }
+    (count > 0).then(|| sum / count as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::Random;
+
+    /// Numbers of mean 0 and variance 1, nearly normal.
+    fn normal(random: &mut Random) -> f32 {
+        (0..12).map(|_| random.unit()).sum::<f32>() - 6.0
+    }
+
+    const WIDTH: usize = 64;
+    const COUNT: usize = WIDTH * 48;
+
+    /// What is said and what is true of an even picture of light 0.5, whose noise has the variance `variance`
+    /// in its halves; grey, or in each channel its own.
+    fn said_and_true(random: &mut Random, variance: f32, grey: bool) -> (ErrorEstimate, f64) {
+        let mut half = || -> Vec<Vec3> {
+            let mut value = |_| {
+                let noise = match grey {
+                    true => Vec3::splat(normal(random)),
+                    false => Vec3::from_array(std::array::from_fn(|_| normal(random))),
+                };
+                0.5 + variance.sqrt() * noise
+            };
+            (0..COUNT).map(&mut value).collect()
+        };
+        let (a, b) = (half(), half());
+        let both = || a.iter().zip(&b);
+        let picture: Vec<Vec3> = both().map(|(a, b)| 0.5 * (a + b)).collect();
+        let deviations: Vec<Vec3> = both().map(|(a, b)| 0.5 * (a - b)).collect();
+        let relative = RelativeDeviations::new(&picture, &deviations, WIDTH, 1.0, false);
+        let error = |(number, x): (usize, &Vec3)| {
+            let m = mean_around(&picture, WIDTH, number, 1).expect("neighbours");
+            ((x - 0.5).powf(2.0) / (m * m + 0.01)).element_sum()
+        };
+        let sum: f32 = picture.iter().enumerate().map(error).sum();
+        (
+            ErrorEstimate::of(&relative),
+            f64::from(sum) / COUNT as f64 / 3.0,
+        )
+    }
+
+    #[test]
+    fn noise_of_known_variance() {
+        let mut random = Random::new(1);
+        for grey in [true, false] {
+            let variance = 0.0016;
+            let runs: Vec<_> = (0..100)
+                .map(|_| said_and_true(&mut random, variance, grey))
+                .collect();
+            let mean = runs
+                .iter()
+                .map(|(said, _)| said.relative_square_error)
+                .sum::<f64>()
+                / 100.0;
+            // The variance of the mean of two halves, over the square of the light and of a tenth of white.
+            let expected = f64::from(variance) / 2.0 / 0.26;
+            assert!((mean / expected - 1.0).abs() < 0.01, "{mean} {expected}");
+            let z = runs.iter().map(|(said, is)| {
+                let off = (said.relative_square_error - is) / said.standard_error;
+                off * off
+            });
+            let mean_square = z.sum::<f64>() / 100.0;
+            // Without grey, the fourth power overestimates the variance: see above.
+            let least = if grey { 0.6 } else { 0.4 };
+            assert!((least..1.4).contains(&mean_square), "{grey} {mean_square}");
+        }
+    }
+
+    #[test]
+    fn no_noise_is_no_error() {
+        let picture = vec![Vec3::ONE; 12];
+        let none = vec![Vec3::ZERO; 12];
+        let relative = RelativeDeviations::new(&picture, &none, 4, 1.0, true);
+        assert_eq!(ErrorEstimate::of(&relative).interval(), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn neighbours_do_not_include_the_pixel() {
+        let values: Vec<f32> = (0..12).map(|i| i as f32).collect();
+        assert_eq!(mean_around(&values, 4, 5, 1), Some(5.0));
+        // Of the corner: 1, 4 and 5.
+        assert_eq!(mean_around(&values, 4, 0, 1), Some(10.0 / 3.0));
+        // Two away from 5, in rows of four and columns of three: 7 only.
+        assert_eq!(mean_around(&values, 4, 5, 2), Some(7.0));
+        assert_eq!(mean_around(&[3.0], 1, 0, 1), None);
+    }
+}

@@ -1,0 +1,219 @@
+use super::grid::Grid;
+use super::{PixelSampling, RenderSettings};
+use crate::accel::Traversal;
+use crate::camera::{Camera, CameraRays};
+use crate::integrator::{CameraSample, Integrator};
+use crate::sampling::Sequence;
+use crate::scene::Scene;
+use glam::{DVec2, DVec3, Vec3};
+use rayon::prelude::*;
+
+/// So many camera rays set out together.
+const BATCH: usize = 64;
+
+/// How the points of a frame take their samples.
+///
+/// Where chance is at work, they are taken in two halves that have nothing in common, so that their
+/// difference tells how far off their mean is. Of an odd number of samples each half takes as many, with
+/// half as many paths from the first diffuse bounce; odd numbers of both are rounded up.
+pub(super) struct Sampler<'a> {
+    scene: &'a Scene,
+    rays: CameraRays,
+    sampling: PixelSampling,
+    /// Of each half.
+    integrator: Integrator,
+    /// Of each half in one pass.
+    samples: u32,
+    /// 1 or 2.
+    pub(super) halves: usize,
+    seed: u32,
+    frame: u32,
+}
+
+impl<'a> Sampler<'a> {
+    pub(super) fn new(
+        scene: &'a Scene,
+        camera: &Camera,
+        settings: &RenderSettings,
+        frame: u32,
+    ) -> Sampler<'a> {
+        let size = DVec2::new(settings.width.into(), settings.height.into());
+        let mut samples = match settings.sampling {
+            PixelSampling::Spread(count) => count,
+            PixelSampling::Center | PixelSampling::Corners => 1,
+        };
+        let mut integrator = settings.integrator.clone();
+        let mut halves = 1;
+        if let Integrator::MonteCarlo { bounces, splits } = &mut integrator
+            && (*bounces > 0 || matches!(settings.sampling, PixelSampling::Spread(_)))
+        {
+            halves = 2;
+            if samples % 2 == 0 {
+                samples /= 2;
+            } else {
+                match splits.first_mut() {
+                    Some(first) => *first = first.div_ceil(2),
+                    None => splits.push(1),
+                }
+            }
+        }
+        Sampler {
+            scene,
+            rays: camera.rays(size, scene.origin),
+            sampling: settings.sampling,
+            integrator,
+            samples,
+            halves,
+            seed: settings.seed,
+            frame,
+        }
+    }
+
+    /// The mean light of each half of each point, half by half, in the passes that `passes` gives: those
+    /// before `.0` were taken before, those before `.1` are taken now.
+    pub(super) fn means(
+        &self,
+        points: &[(u32, u32)],
+        passes: impl Fn((u32, u32)) -> (u32, u32),
+        work: &mut Work,
+    ) -> Vec<Vec3> {
+        // In double precision: a million equal numbers would not add up in single precision.
+        let mut sums = vec![DVec3::ZERO; points.len() * self.halves];
+        let mut batch = Batch::default();
+        for (number, &(x, y)) in points.iter().enumerate() {
+            let (first, last) = passes((x, y));
+            let corner = DVec2::new(x.into(), y.into());
+            let sequence = Sequence::new(self.seed, self.frame, x, y);
+            for half in 0..self.halves {
+                let sequence = match self.halves {
+                    1 => sequence,
+                    _ => sequence.half(half as u32),
+                };
+                for index in first * self.samples..last * self.samples {
+                    let film = match self.sampling {
+                        PixelSampling::Corners => corner,
+                        PixelSampling::Center => corner + 0.5,
+                        PixelSampling::Spread(_) => {
+                            let [u, v] = sequence.sample_2d(index, 0);
+                            corner + DVec2::new(u.into(), v.into())
+                        }
+                    };
+                    let ray = self.rays.through(film);
+                    batch.samples.push(CameraSample {
+                        ray,
+                        sequence,
+                        index,
+                    });
+                    batch.owners.push(number * self.halves + half);
+                    if batch.samples.len() == BATCH {
+                        self.trace(&mut batch, work, &mut sums);
+                    }
+                }
+            }
+        }
+        self.trace(&mut batch, work, &mut sums);
+        let count = |number: usize| {
+            let (first, last) = passes(points[number / self.halves]);
+            f64::from((last - first) * self.samples)
+        };
+        let sums = sums.into_iter().enumerate();
+        sums.map(|(number, sum)| (sum / count(number)).as_vec3())
+            .collect()
+    }
+
+    /// Adds the light of up to [`BATCH`] samples to the sums of their owners, and forgets them.
+    fn trace(&self, batch: &mut Batch, work: &mut Work, sums: &mut [DVec3]) {
+        let mut radiance = [Vec3::ZERO; BATCH];
+        let radiance = &mut radiance[..batch.samples.len()];
+        let traversal = &mut work.traversal;
+        self.integrator
+            .radiance(self.scene, &batch.samples, traversal, radiance);
+        for (owner, light) in batch.owners.iter().zip(radiance) {
+            if light.is_finite() {
+                sums[*owner] += light.as_dvec3();
+            } else {
+                work.non_finite += 1;
+            }
+        }
+        batch.samples.clear();
+        batch.owners.clear();
+    }
+}
+
+/// Samples that set out together, and the numbers of the sums that they belong to.
+#[derive(Default)]
+struct Batch {
+    samples: Vec<CameraSample>,
+    owners: Vec<usize>,
+}
+
+/// What a thread needs while it works on a tile, and what it counts.
+#[derive(Default)]
+pub(super) struct Work {
+    pub(super) traversal: Traversal,
+    pub(super) non_finite: u64,
+}
+
+/// What the points of a frame are known to be so far.
+pub(super) struct Estimates {
+    /// The mean of each half of each point, half by half.
+    pub(super) values: Vec<Vec3>,
+    /// How many passes each point has taken.
+    pub(super) passes: Vec<u32>,
+    pub(super) rays: u64,
+    pub(super) non_finite: u64,
+}
+
+impl Estimates {
+    pub(super) fn new(grid: Grid, sampler: &Sampler) -> Estimates {
+        Estimates {
+            values: vec![Vec3::ZERO; grid.len() * sampler.halves],
+            passes: vec![0; grid.len()],
+            rays: 0,
+            non_finite: 0,
+        }
+    }
+
+    /// Takes as many passes at each point, by its number, as are missing to those wanted; tile by tile in
+    /// parallel.
+    pub(super) fn refine(
+        &mut self,
+        grid: Grid,
+        sampler: &Sampler,
+        wanted: impl Fn(usize) -> u32 + Sync,
+        tile_done: &(dyn Fn(u64) + Sync),
+    ) {
+        let taken = &self.passes;
+        let passes = |point| {
+            let number = grid.number(point);
+            (taken[number], wanted(number).max(taken[number]))
+        };
+        let tiles: Vec<(Vec<Vec3>, Work)> = (0..grid.tiles())
+            .into_par_iter()
+            .map(|tile| {
+                let mut work = Work::default();
+                let means = sampler.means(&grid.tile_points(tile), passes, &mut work);
+                tile_done(work.traversal.rays);
+                (means, work)
+            })
+            .collect();
+        for (tile, (means, work)) in (0..).zip(tiles) {
+            let points = grid.tile_points(tile).into_iter();
+            for (point, means) in points.zip(means.chunks(sampler.halves)) {
+                let number = grid.number(point);
+                let (before, now) = (self.passes[number], wanted(number));
+                if now <= before {
+                    continue;
+                }
+                let share = (now - before) as f32 / now as f32;
+                let values = &mut self.values[number * sampler.halves..];
+                for (value, mean) in values.iter_mut().zip(means) {
+                    *value += share * (mean - *value);
+                }
+                self.passes[number] = now;
+            }
+            self.rays += work.traversal.rays;
+            self.non_finite += work.non_finite;
+        }
+    }
+}

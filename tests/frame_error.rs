@@ -1,0 +1,212 @@
+//! What frames say of their own errors, and what they do about them.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod support;
+
+use flythrough::camera::Camera;
+use flythrough::film::Film;
+use flythrough::render::{PixelSampling, RenderSettings, RenderedFrame, render_frame};
+use flythrough::scene::Scene;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::LazyLock;
+use support::statistics::*;
+use support::*;
+
+const SIZE: [u32; 2] = [96, 72];
+
+/// A Cornell box with a mirror, spots and two shadows.
+static ROOM: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
+    let camera = shipped_path("test3.ron").camera(20);
+    (shipped_scene("test3.ron"), camera)
+});
+
+fn frame(settings: &RenderSettings, seed: u32) -> RenderedFrame {
+    let settings = RenderSettings {
+        seed,
+        ..settings.clone()
+    };
+    render_frame(&ROOM.0, &ROOM.1, &settings, 0, &|_| ())
+}
+
+/// The mean of (x - r)^2 / (m^2 + (white / 10)^2), where m is the mean of the pixels around.
+fn relative_square_error(picture: &Film, reference: &Film, white: f64) -> f64 {
+    let (width, height) = (SIZE[0] as i32, SIZE[1] as i32);
+    let at = |film: &Film, x: i32, y: i32| film.pixels()[(y * width + x) as usize].as_dvec3();
+    let inside = |x: i32, y: i32| (0..width).contains(&x) && (0..height).contains(&y);
+    let mut sum = 0.0;
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+        let around = around.filter(|(dx, dy)| (*dx, *dy) != (0, 0) && inside(x + dx, y + dy));
+        let around: Vec<DVec3> = around
+            .map(|(dx, dy)| at(reference, x + dx, y + dy))
+            .collect();
+        let mean = around.iter().sum::<DVec3>() / around.len() as f64;
+        let error = at(picture, x, y) - at(reference, x, y);
+        sum += (error * error / (mean * mean + (0.1 * white).powi(2))).element_sum();
+    }
+    sum / f64::from(3 * width * height)
+}
+
+/// Of 200 frames, 95 in 100 should be as far from the reference as they say; the numbers of frames that
+/// may lie between 90 and 99 in 100 do so by chance in less than one of 500 cases.
+#[test]
+fn intervals_hold_the_true_error() {
+    let exposed = RenderSettings {
+        white: 0.35,
+        ..settings(monte_carlo(4, &[16]), SIZE[0], SIZE[1])
+    };
+    for (sampling, reference_splits) in [
+        (PixelSampling::Center, 4096),
+        (PixelSampling::Corners, 2048),
+        (PixelSampling::Spread(4), 32),
+    ] {
+        let settings = RenderSettings {
+            sampling,
+            ..exposed.clone()
+        };
+        let reference = frame(
+            &RenderSettings {
+                integrator: monte_carlo(4, &[reference_splits]),
+                // Many more camera rays, too, where they are left to chance.
+                sampling: match sampling {
+                    PixelSampling::Spread(_) => PixelSampling::Spread(256),
+                    fixed => fixed,
+                },
+                ..settings.clone()
+            },
+            1_000_000,
+        );
+        let runs = (0..200).into_par_iter().map(|seed| {
+            let rendered = frame(&settings, seed);
+            let true_error = relative_square_error(&rendered.film, &reference.film, 0.35);
+            let error = rendered.noise.unwrap().error;
+            let [low, high] = error.interval();
+            let is_held = (low..=high).contains(&true_error);
+            (is_held, error.relative_square_error, true_error)
+        });
+        let runs: Vec<(bool, f64, f64)> = runs.collect();
+        let held = runs.iter().filter(|(is_held, ..)| *is_held).count();
+        assert!((180..=198).contains(&held), "{sampling:?}: {held} of 200");
+        let mean = |of: fn(&(bool, f64, f64)) -> f64| runs.iter().map(of).sum::<f64>() / 200.0;
+        let (estimated, measured) = (mean(|run| run.1), mean(|run| run.2));
+        assert!(
+            (estimated / measured - 1.0).abs() < 0.02,
+            "{sampling:?}: {estimated} {measured}"
+        );
+        let own = reference.noise.unwrap().error.relative_square_error;
+        assert!(own < 0.01 * measured, "{sampling:?}: {own}");
+    }
+}
+
+/// Samples that are added where neighbours need them leave every pixel unbiased.
+#[test]
+fn frames_of_a_target_error_reach_it_without_bias() {
+    let size = [16, 12];
+    for sampling in [PixelSampling::Spread(4), PixelSampling::Corners] {
+        let plain = RenderSettings {
+            sampling,
+            ..settings(monte_carlo(4, &[2]), size[0], size[1])
+        };
+        let aimed = RenderSettings {
+            target_error: Some(0.01),
+            ..plain.clone()
+        };
+        let rendered: Vec<RenderedFrame> = (0..32).map(|seed| frame(&aimed, seed)).collect();
+        let rays = |frame: &RenderedFrame| frame.rays;
+        for rendered in &rendered {
+            let error = rendered.noise.as_ref().unwrap().error;
+            assert!(error.interval()[1] <= 0.01, "{error:?}");
+            // Not far more than is needed.
+            assert!(error.relative_square_error > 0.002, "{error:?}");
+        }
+        let few = frame(&plain, 0);
+        assert!(few.noise.as_ref().unwrap().error.relative_square_error > 0.02);
+        assert!(rendered.iter().map(rays).min().unwrap() > 2 * few.rays);
+        let aimed: Vec<Vec<f64>> = rendered.iter().map(|r| channels(r.film.pixels())).collect();
+        let reference = RenderSettings {
+            integrator: monte_carlo(4, &[64]),
+            sampling: match sampling {
+                PixelSampling::Spread(_) => PixelSampling::Spread(32),
+                fixed => fixed,
+            },
+            ..plain
+        };
+        let reference = runs(&ROOM.0, &ROOM.1, &reference, 1_000_000..1_000_032);
+        let agreement = Agreement::of(&estimates(&aimed), &estimates(&reference), 31, 0.0);
+        assert!(agreement.holds(), "{sampling:?}: {agreement:?}");
+        assert!(
+            (0.8..1.25).contains(&agreement.mean_square),
+            "{agreement:?}"
+        );
+    }
+}
+
+/// The halves that a picture is made of are the picture plus and minus its deviation: they do not depend on
+/// each other, so their errors are not correlated.
+#[test]
+fn halves_are_independent() {
+    let settings = settings(monte_carlo(4, &[16]), SIZE[0], SIZE[1]);
+    let reference = frame(
+        &RenderSettings {
+            integrator: monte_carlo(4, &[4096]),
+            ..settings.clone()
+        },
+        1_000_000,
+    );
+    let products = |seed| {
+        let rendered = frame(&settings, seed);
+        let [x, d, r] = [
+            &rendered.film,
+            &rendered.noise.as_ref().unwrap().deviation,
+            &reference.film,
+        ]
+        .map(|film| channels(film.pixels()));
+        let of = |i: usize| {
+            let (a, b) = (x[i] + d[i] - r[i], x[i] - d[i] - r[i]);
+            (a * b, 0.5 * (a * a + b * b))
+        };
+        let all = (0..x.len()).map(of);
+        all.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
+    };
+    let all: Vec<(f64, f64)> = (0..32).map(products).collect();
+    let correlation = all.iter().map(|p| p.0).sum::<f64>() / all.iter().map(|p| p.1).sum::<f64>();
+    // 32 frames of 1,728 pixels; channels of a pixel vary together.
+    assert!(
+        correlation.abs() < 4.0 / (32.0 * 1728.0_f64).sqrt(),
+        "{correlation}"
+    );
+}
+
+#[test]
+fn what_is_not_left_to_chance_has_no_error() {
+    for settings in [
+        settings(ray_tracing(), 8, 6),
+        spread(ray_tracing(), [8, 6], 4),
+        settings(monte_carlo(0, &[]), 8, 6),
+    ] {
+        assert!(frame(&settings, 0).noise.is_none());
+    }
+    assert!(
+        frame(&spread(monte_carlo(0, &[]), [8, 6], 4), 0)
+            .noise
+            .is_some()
+    );
+}
+
+/// Pictures of one pixel and of one row have fewer neighbours, or none.
+#[test]
+fn small_frames_say_what_they_can() {
+    for (width, height) in [(1, 1), (9, 1), (1, 9), (2, 2)] {
+        for sampling in [PixelSampling::Spread(2), PixelSampling::Corners] {
+            let settings = RenderSettings {
+                sampling,
+                target_error: Some(0.05),
+                ..settings(monte_carlo(2, &[4]), width, height)
+            };
+            let error = frame(&settings, 0).noise.unwrap().error;
+            assert!(error.relative_square_error > 0.0, "{error:?}");
+            assert!(error.standard_error.is_finite() && error.interval()[1] <= 0.05);
+        }
+    }
+}

@@ -6,6 +6,10 @@
 //!
 //! Knows nothing of files, threads or scenes.
 
+mod flip;
+mod heat;
 mod statistics;
 
+pub use flip::Flip;
+pub use heat::{HEAT_RANGE, heat_map};
 pub use statistics::{Estimate, mean, percentile, standard_deviation, student};

@@ -6,10 +6,18 @@
 //!
 //! Knows nothing of files, threads or scenes.
 
+mod blocks;
+mod difference;
 mod flip;
 mod heat;
+mod pixel;
+mod reference;
 mod statistics;
+#[cfg(test)]
+mod synthetic;
 
+pub use difference::{Difference, relative_errors};
 pub use flip::Flip;
 pub use heat::{HEAT_RANGE, heat_map};
+pub use reference::Reference;
 pub use statistics::{Estimate, mean, percentile, standard_deviation, student};

@@ -6,6 +6,7 @@
 //!
 //! Knows nothing of files, threads or scenes.
 
+mod bias;
 mod blocks;
 mod difference;
 mod flip;
@@ -16,6 +17,7 @@ mod statistics;
 #[cfg(test)]
 mod synthetic;
 
+pub use bias::{BiasCheck, HeldOutPixel};
 pub use difference::{Difference, relative_errors};
 pub use flip::Flip;
 pub use heat::{HEAT_RANGE, heat_map};

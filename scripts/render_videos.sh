@@ -10,11 +10,14 @@ out=${1:-out}
 shift || true
 
 command -v cargo >/dev/null || { echo "cargo is missing: install Rust first" >&2; exit 2; }
-if ! command -v ffmpeg >/dev/null; then
-    echo "Installing ffmpeg"
+missing=()
+command -v ffmpeg >/dev/null || missing+=(ffmpeg)
+command -v c++ >/dev/null || missing+=(g++)
+if [ ${#missing[@]} -gt 0 ]; then
+    echo "Installing ${missing[*]}"
     root=; [ "$(id -u)" -eq 0 ] || root=sudo
     $root apt-get update -qq
-    $root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq ffmpeg >/dev/null
+    $root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "${missing[@]}" >/dev/null
 fi
 cargo build --release --quiet
 

@@ -13,7 +13,7 @@
 //! |---|---|---|
 //! | 0 | [`math`] | anything above |
 //! | 1 | [`sampling`], [`geometry`], [`texture`], [`film`] | files, threads, the scene |
-//! | 2 | [`accel`], [`material`], [`light`], [`camera`] | each other, files, threads |
+//! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`metrics`] | each other, files, threads |
 //! | 3 | [`scene`] | how light is gathered, files |
 //! | 4 | [`integrator`] | pixels, frames, time |
 //! | 5 | [`render`] | file formats, folders, terminals |
@@ -30,6 +30,7 @@ pub mod integrator;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod metrics;
 pub mod output;
 pub mod render;
 pub mod sampling;

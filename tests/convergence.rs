@@ -4,6 +4,7 @@
 mod support;
 
 use flythrough::camera::Camera;
+use flythrough::metrics::mean;
 use flythrough::render::RenderSettings;
 use flythrough::scene::Scene;
 use glam::DVec3;
@@ -57,23 +58,6 @@ fn errors(runs: &[Vec<f64>], reference: &[f64]) -> Vec<f64> {
 
 fn means(estimates: &[Estimate]) -> Vec<f64> {
     estimates.iter().map(|estimate| estimate.mean).collect()
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// Values from statistical tables, for the levels 0.05, 0.01 and 0.001.
-#[test]
-fn quantiles_of_students_t() {
-    for (degrees, p, expected) in [
-        (1, 0.05, 12.706),
-        (7, 0.05, 2.365),
-        (15, 0.001, 4.073),
-        (31, 0.01, 2.744),
-    ] {
-        assert!((student(degrees, p) - expected).abs() < 5e-4);
-    }
 }
 
 /// 32 seeds rather than 8: before chance could be ruled out in 576 comparisons, an estimate with 7 degrees

@@ -1,27 +1,15 @@
 //! Whether random estimates agree, and how fast they converge.
 
+pub(crate) use flythrough::metrics::Estimate;
+
 use super::{render, settings};
 use flythrough::camera::Camera;
 use flythrough::integrator::Integrator;
+use flythrough::metrics::student;
 use flythrough::render::{PixelSampling, RenderSettings};
 use flythrough::scene::Scene;
 use glam::Vec3;
 use rayon::prelude::*;
-use std::f64::consts::PI;
-
-/// A mean and its standard error.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Estimate {
-    pub(crate) mean: f64,
-    pub(crate) error: f64,
-}
-
-impl Estimate {
-    /// Of what is known.
-    pub(crate) fn exact(mean: f64) -> Estimate {
-        Estimate { mean, error: 0.0 }
-    }
-}
 
 /// Settings with so many camera samples spread over each pixel.
 pub(crate) fn spread(
@@ -60,12 +48,9 @@ pub(crate) fn runs(
 
 /// What independent runs estimate.
 pub(crate) fn estimates(runs: &[Vec<f64>]) -> Vec<Estimate> {
-    let n = runs.len() as f64;
     let estimate = |i: usize| {
-        let mean = runs.iter().map(|run| run[i]).sum::<f64>() / n;
-        let squares: f64 = runs.iter().map(|run| (run[i] - mean).powi(2)).sum();
-        let error = (squares / (n - 1.0) / n).sqrt();
-        Estimate { mean, error }
+        let values: Vec<f64> = runs.iter().map(|run| run[i]).collect();
+        Estimate::of(&values)
     };
     (0..runs[0].len()).map(estimate).collect()
 }
@@ -115,30 +100,6 @@ impl Agreement {
     pub(crate) fn holds(&self) -> bool {
         self.worst <= self.limit
     }
-}
-
-/// What the absolute value of Student's t exceeds with probability `p`; for odd `degrees` of freedom
-/// (Abramowitz and Stegun, "Handbook of Mathematical Functions", 26.7.3).
-pub(crate) fn student(degrees: u32, p: f64) -> f64 {
-    let exceeds = |t: f64| {
-        let (sin, cos) = (t / f64::from(degrees).sqrt()).atan().sin_cos();
-        let (mut term, mut sum) = (cos, 0.0);
-        for k in (3..=degrees).step_by(2) {
-            sum += term;
-            term *= cos * cos * f64::from(k - 1) / f64::from(k);
-        }
-        1.0 - 2.0 / PI * (sin.atan2(cos) + sin * sum)
-    };
-    let (mut low, mut high) = (0.0, 1e3);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        *(if exceeds(middle) > p {
-            &mut low
-        } else {
-            &mut high
-        }) = middle;
-    }
-    low
 }
 
 /// The slope of the logarithm of the mean error against the logarithm of the number of samples, by least

@@ -1,0 +1,258 @@
+use super::pixel::{channel_mean, middle, normaliser, relative_square};
+use super::{Estimate, mean, student};
+use glam::{DVec3, Vec3};
+
+/// How likely chance alone puts an estimate of a [`BiasCheck`] so far from 0, to either side, that it is no
+/// longer believed: 3.29 standard errors with many pixels, more with few. There are two estimates.
+const FALSE_ALARM: f64 = 0.001;
+
+/// Means of single precision numbers that are off by less, as a part of their value, are rounded.
+const ROUNDING: f64 = 1e-6;
+
+/// What a technique and an unbiased oracle made of one pixel, as linear light: four independent values.
+///
+/// The technique's two share no seed, and where it keeps something from pixel to pixel, such as a light
+/// cache, nothing of that.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeldOutPixel {
+    /// What is checked, twice.
+    pub technique: [Vec3; 2],
+    /// What is right in the mean, twice.
+    pub oracle: [Vec3; 2],
+}
+
+/// Whether the mean of a technique's pictures is the true image, in units of display white.
+///
+/// Standard errors are over pixels, which should be so far apart that they share no noise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BiasCheck {
+    /// The mean over pixels and channels of (mean(c) - I)^2 / (r^2 + 0.01), c being the technique's values
+    /// and I the true ones: what stays of relMSE however many pictures are averaged. Negative by chance.
+    ///
+    /// Worked out as (c1 - A)(c2 - B): the noise of each factor knows nothing of the other.
+    pub squared_bias: Estimate,
+    /// mean(c) / mean(r) - 1: above 0 if the technique is too bright. NaN if the oracle is black.
+    pub mean_bias: Estimate,
+    /// relMSE of one picture, its noise and its bias, as
+    /// [`Difference::relative_square_error`](super::Difference::relative_square_error).
+    pub relative_square_error: Estimate,
+    /// How many pixels there are.
+    pub pixels: usize,
+}
+
+impl BiasCheck {
+    /// Of held-out pixels, at an exposure in stops.
+    pub fn of(pixels: &[HeldOutPixel], exposure: f32) -> BiasCheck {
+        let scale = f64::from(libm::exp2f(exposure));
+        let pixels: Vec<Values> = pixels
+            .iter()
+            .map(|pixel| Values::of(pixel, scale))
+            .collect();
+        let share = oracle_share(&pixels);
+        let over_pixels = |value: &dyn Fn(&Values) -> DVec3| -> Vec<f64> {
+            pixels
+                .iter()
+                .map(|pixel| channel_mean(value(pixel)))
+                .collect()
+        };
+        let difference = over_pixels(&|pixel| middle(pixel.technique) - middle(pixel.oracle));
+        let oracle = over_pixels(&|pixel| middle(pixel.oracle));
+        let error = over_pixels(&|pixel| relative_square(pixel.technique[0], pixel.oracle));
+        BiasCheck {
+            squared_bias: Estimate::of(&over_pixels(&|pixel| pixel.squared_bias(share))),
+            mean_bias: Estimate::of(&difference) / mean(&oracle),
+            relative_square_error: Estimate::of(&error),
+            pixels: pixels.len(),
+        }
+    }
+
+    /// Whether the squared bias, or the mean bias to either side, is larger than chance explains. Never of
+    /// fewer than two pixels.
+    ///
+    /// A technique without bias is accused once in 500 checks or less if the noise of pixels is symmetric.
+    /// Many dim pixels and a few bright ones spoil the mean bias: with log-normal noise of sigma 1.5 it is
+    /// once in 60 checks of 100 pixels, in 230 of 1000 and in 400 of 3000.
+    pub fn is_biased(&self) -> bool {
+        if self.pixels < 2 {
+            return false;
+        }
+        let degrees = u32::try_from(self.pixels - 1).unwrap_or(u32::MAX);
+        let limit = student(degrees, FALSE_ALARM);
+        let exceeds = |estimate: Estimate, value: f64, rounding: f64| {
+            value > (limit * estimate.error).max(rounding)
+        };
+        exceeds(
+            self.squared_bias,
+            self.squared_bias.mean,
+            ROUNDING * ROUNDING,
+        ) || exceeds(self.mean_bias, self.mean_bias.mean.abs(), ROUNDING)
+    }
+}
+
+/// A held-out pixel in units of display white.
+#[derive(Debug)]
+struct Values {
+    technique: [DVec3; 2],
+    oracle: [DVec3; 2],
+}
+
+impl Values {
+    fn of(pixel: &HeldOutPixel, scale: f64) -> Values {
+        let exposed = |light: Vec3| scale * light.as_dvec3();
+        Values {
+            technique: pixel.technique.map(exposed),
+            oracle: pixel.oracle.map(exposed),
+        }
+    }
+
+    /// (c1 - A)(c2 - B) divided by r^2 + 0.01, r being c1 and A mixed, or c2 and B, the mean of both.
+    ///
+    /// Were r the mean of A and B, the divisor would depend on both factors, and their noise would pass for a
+    /// bias. So it knows nothing of one of them, whose mean is 0 without a bias, however noisy all are.
+    fn squared_bias(&self, oracle_share: f64) -> DVec3 {
+        let [(c1, a), (c2, b)] = [0, 1].map(|i| (self.technique[i], self.oracle[i]));
+        let inverse = |c: DVec3, r: DVec3| normaliser(c.lerp(r, oracle_share)).recip();
+        (c1 - a) * (c2 - b) * middle([inverse(c1, a), inverse(c2, b)])
+    }
+}
+
+/// How much of the oracle there is to be in the mix that errors are divided by: as much as the technique
+/// has of the noise, so that the noise of the mix has nothing to do with that of the difference.
+fn oracle_share(pixels: &[Values]) -> f64 {
+    let noise = |values: fn(&Values) -> [DVec3; 2]| -> f64 {
+        let square = |pixel: &Values| {
+            let [first, second] = values(pixel);
+            let r = middle([middle(pixel.technique), middle(pixel.oracle)]);
+            let difference = first - second;
+            channel_mean(difference * difference / normaliser(r))
+        };
+        pixels.iter().map(square).sum()
+    };
+    let [technique, oracle] = [noise(|pixel| pixel.technique), noise(|pixel| pixel.oracle)];
+    let both = technique + oracle;
+    if both > 0.0 { technique / both } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::synthetic::Noise;
+    use super::*;
+
+    /// Pixels from black to white of which the technique makes something else, with noise of standard
+    /// deviations `of_technique` and `of_oracle`.
+    fn held_out(
+        noise: &mut Noise,
+        count: usize,
+        [of_technique, of_oracle]: [f64; 2],
+        technique: impl Fn(usize, Vec3) -> Vec3,
+    ) -> Vec<HeldOutPixel> {
+        let pixel = |i: usize| {
+            let truth = noise.between(0.0, 1.0);
+            let mean = technique(i, truth);
+            HeldOutPixel {
+                technique: [0; 2].map(|_| noise.light(mean, of_technique)),
+                oracle: [0; 2].map(|_| noise.light(truth, of_oracle)),
+            }
+        };
+        (0..count).map(pixel).collect()
+    }
+
+    fn alarms(runs: usize, mut pixels: impl FnMut() -> Vec<HeldOutPixel>) -> usize {
+        let biased = (0..runs).filter(|_| BiasCheck::of(&pixels(), 0.0).is_biased());
+        biased.count()
+    }
+
+    /// Chance alone: 0.3 in 200 are expected, and more than 3 come once in thousands of times.
+    #[test]
+    fn what_is_right_in_the_mean_is_not_accused() {
+        for sigmas in [[0.05, 0.02], [0.02, 0.1], [0.2, 0.2], [0.0, 0.1]] {
+            let mut noise = Noise::new(6);
+            let alarms = alarms(200, || held_out(&mut noise, 150, sigmas, |_, truth| truth));
+            assert!(alarms <= 3, "{alarms} with {sigmas:?}");
+        }
+    }
+
+    /// Were it divided by the mean of A and B, the noise of this oracle would look like a bias.
+    #[test]
+    fn a_noisy_oracle_is_no_bias() {
+        let mut noise = Noise::new(7);
+        let black = |_| HeldOutPixel {
+            technique: [Vec3::ZERO; 2],
+            oracle: [0; 2].map(|_| noise.light(Vec3::ZERO, 0.1)),
+        };
+        let pixels: Vec<HeldOutPixel> = (0..5000).map(black).collect();
+        let check = BiasCheck::of(&pixels, 0.0);
+        let products = pixels.iter().map(|pixel| {
+            let values = Values::of(pixel, 1.0);
+            channel_mean(relative_square(values.technique[0], values.oracle))
+        });
+        let divided_by_mean = Estimate::of(&products.collect::<Vec<f64>>());
+        assert!(divided_by_mean.mean < -20.0 * divided_by_mean.error);
+        let squared = check.squared_bias;
+        assert!(squared.mean.abs() < 3.0 * squared.error, "{check:?}");
+    }
+
+    #[test]
+    fn what_is_too_bright_is_found() {
+        let mut noise = Noise::new(8);
+        for exposure in [0.0, -1.5] {
+            let pixels = held_out(&mut noise, 3000, [0.05, 0.02], |_, truth| 1.02 * truth);
+            let check = BiasCheck::of(&pixels, exposure);
+            assert!(check.is_biased(), "{check:?}");
+            let off = check.mean_bias.mean - 0.02;
+            assert!(off.abs() < 4.0 * check.mean_bias.error, "{check:?}");
+        }
+    }
+
+    /// Every other pixel brighter and darker: their mean is right.
+    #[test]
+    fn what_is_right_only_on_the_whole_is_found() {
+        let mut noise = Noise::new(9);
+        let local = |i: usize, truth: Vec3| truth * if i.is_multiple_of(2) { 1.1 } else { 0.9 };
+        let pixels = held_out(&mut noise, 2000, [0.05, 0.03], local);
+        let check = BiasCheck::of(&pixels, 0.0);
+        assert!(check.is_biased(), "{check:?}");
+        assert!(check.mean_bias.mean.abs() < 4.0 * check.mean_bias.error);
+        // The integral over x from 0 to 1 of (0.1 x)^2 / (x^2 + 0.01).
+        let expected = 0.01 * (1.0 - 0.1 * libm::atan(10.0));
+        let off = check.squared_bias.mean - expected;
+        assert!(off.abs() < 4.0 * check.squared_bias.error, "{check:?}");
+        // And with noise: 0.05^2 times that of 1 / (x^2 + 0.01).
+        let expected = expected + 0.0025 * 10.0 * libm::atan(10.0);
+        let off = check.relative_square_error.mean - expected;
+        assert!(
+            off.abs() < 4.0 * check.relative_square_error.error,
+            "{check:?}"
+        );
+    }
+
+    #[test]
+    fn without_noise_every_bias_is_found_and_none_invented() {
+        let mut noise = Noise::new(10);
+        let mut biased = |technique: fn(Vec3) -> Vec3| {
+            let pixels = held_out(&mut noise, 50, [0.0, 0.0], |_, truth| technique(truth));
+            BiasCheck::of(&pixels, 0.0).is_biased()
+        };
+        assert!(!biased(|truth| truth));
+        // In another order of summation.
+        assert!(!biased(|truth| truth * (1.0 + f32::EPSILON)));
+        assert!(biased(|truth| truth * 1.001));
+        assert!(biased(|_| Vec3::ZERO));
+        // The same everywhere: the spread is 0.
+        let even = |[technique, oracle]: [f32; 2]| HeldOutPixel {
+            technique: [Vec3::splat(technique); 2],
+            oracle: [Vec3::splat(oracle); 2],
+        };
+        for (light, expected) in [
+            ([0.5, 0.5], false),
+            ([0.0, 0.0], false),
+            ([0.5, 0.4], true),
+            ([0.1, 0.0], true),
+        ] {
+            let check = BiasCheck::of(&[even(light); 9], 0.0);
+            assert_eq!(check.is_biased(), expected, "{light:?} {check:?}");
+            assert!(!BiasCheck::of(&[even(light)], 0.0).is_biased());
+        }
+        assert!(!BiasCheck::of(&[], 0.0).is_biased());
+    }
+}

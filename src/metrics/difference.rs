@@ -1,0 +1,224 @@
+use super::blocks::over_blocks;
+use super::pixel::{channel_mean, middle, relative, relative_square, square};
+use super::reference::{assert_same_size, exposed};
+use super::{Estimate, Flip, Reference, mean, percentile};
+use crate::film::Film;
+use glam::DVec3;
+
+/// How far a picture is from a reference, in units of display white.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// The mean over pixels and channels of (x - I)^2, I being the true image.
+    ///
+    /// Free of the reference's own noise, as it is worked out as (x - A)(x - B) with the reference's halves.
+    /// By chance it is negative if the picture is much better than they are: that is kept, as means of many
+    /// pictures would be too high otherwise.
+    pub square_error: f64,
+    /// relMSE: the same, each square divided by r^2 + 0.01, r being the reference. May be negative too.
+    ///
+    /// r is the halves' mean, whose noise stays in the divisor: it changes this value by a part of up to 3
+    /// times the reference's own relMSE, so 3 % if that is 0.01.
+    pub relative_square_error: f64,
+    /// Of |x - r| / sqrt(r^2 + 0.01), what 95 % of all pixels' channels do not exceed. The reference's noise
+    /// counts as the picture's.
+    pub p95_relative_error: f64,
+    /// mean(x) / mean(r) - 1 over all pixels and channels: above 0 if the picture is too bright. NaN if the
+    /// reference is black.
+    ///
+    /// Its standard error comes from the spread over blocks of 16 x 16 pixels. It is infinite for a picture
+    /// of one block, and too small if noise is shared over more than a block, as that of light interpolated
+    /// between cached points is: then the spread over seeds tells more.
+    pub mean_bias: Estimate,
+    /// What holds the mean bias 95 times of 100 (Student's t, degrees of freedom one less than the blocks).
+    pub mean_bias_interval: [f64; 2],
+    /// The mean FLIP of the displayed pictures of 8 bits, 0 to 1; see [`Flip::of`].
+    pub flip: f64,
+}
+
+impl Difference {
+    /// Of a picture that is independent of both halves of the reference: no seed is shared.
+    ///
+    /// The exposure is in stops.
+    ///
+    /// # Panics
+    ///
+    /// If their sizes differ.
+    pub fn of(picture: &Film, reference: &Reference, exposure: f32) -> Difference {
+        assert_same_size(picture, reference.mean());
+        let picture = exposed(picture, exposure);
+        let reference = reference.exposed(exposure);
+        let over_pixels = |value: fn(DVec3, [DVec3; 2]) -> DVec3| -> Vec<f64> {
+            let pixels = pairs(&picture, &reference);
+            pixels
+                .map(|(x, halves)| channel_mean(value(x, halves)))
+                .collect()
+        };
+        let errors = pairs(&picture, &reference)
+            .flat_map(|(x, halves)| relative(x, middle(halves)).to_array());
+        let mut errors: Vec<f64> = errors.collect();
+        let differences = over_pixels(|x, halves| x - middle(halves));
+        let (difference, degrees) = over_blocks(picture.width(), &differences);
+        let mean_bias = difference / mean(&over_pixels(|_, halves| middle(halves)));
+        let [shown, expected] = [&picture, reference.mean()].map(Film::to_srgb8);
+        Difference {
+            square_error: mean(&over_pixels(square)),
+            relative_square_error: mean(&over_pixels(relative_square)),
+            p95_relative_error: percentile(&mut errors, 0.95),
+            mean_bias,
+            mean_bias_interval: mean_bias.interval(degrees),
+            flip: Flip::of([picture.width(), picture.height()], &expected, &shown).mean,
+        }
+    }
+
+    /// The root of the mean squared error; 0 if that is negative.
+    pub fn rmse(&self) -> f64 {
+        self.square_error.max(0.0).sqrt()
+    }
+}
+
+/// The relative error at each pixel, row by row from the top left: the root of the mean over R, G and B of
+/// (x - r)^2 / (r^2 + 0.01). The reference's noise counts as the picture's; the exposure is in stops.
+///
+/// # Panics
+///
+/// If their sizes differ.
+pub fn relative_errors(picture: &Film, reference: &Reference, exposure: f32) -> Vec<f32> {
+    assert_same_size(picture, reference.mean());
+    let picture = exposed(picture, exposure);
+    let reference = reference.exposed(exposure);
+    let error = |(x, halves)| {
+        let squares = relative(x, middle(halves)).length_squared();
+        (squares / 3.0).sqrt() as f32
+    };
+    pairs(&picture, &reference).map(error).collect()
+}
+
+/// Each pixel of the picture with the reference's halves.
+fn pairs(picture: &Film, reference: &Reference) -> impl Iterator<Item = (DVec3, [DVec3; 2])> {
+    let pixels = picture.pixels().iter().zip(reference.pixels());
+    pixels.map(|(x, halves)| (x.as_dvec3(), halves))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::synthetic::Noise;
+    use super::*;
+    use glam::Vec3;
+
+    /// Light from a fifth of white to white.
+    fn slope(width: u32, height: u32) -> Film {
+        let mut film = Film::new(width, height);
+        let last = (width * height) as f32;
+        for (i, pixel) in film.pixels_mut().iter_mut().enumerate() {
+            let value = 0.2 + 0.8 * i as f32 / last;
+            *pixel = value * Vec3::new(1.0, 0.9, 0.8);
+        }
+        film
+    }
+
+    /// The reference's mean alone has more noise than the picture.
+    #[test]
+    fn squared_errors_are_free_of_the_references_noise() {
+        let truth = slope(96, 64);
+        let mut noise = Noise::new(3);
+        let (of_picture, of_half) = (0.02_f64, 0.03_f64);
+        let reference = noise.reference(&truth, of_half);
+        let picture = noise.picture(&truth, of_picture);
+        let difference = Difference::of(&picture, &reference, 0.0);
+        let relative = difference.relative_square_error;
+        let channels = truth.pixels().iter().flat_map(|pixel| pixel.to_array());
+        let weights: Vec<f64> = channels
+            .map(|r| (f64::from(r).powi(2) + 0.01).recip())
+            .collect();
+        let [x, half] = [of_picture, of_half].map(|sigma| sigma.powi(2));
+        let variance = 2.0 * x * x + 2.0 * x * half + half * half;
+        let squares: f64 = weights.iter().map(|weight| weight * weight).sum();
+        let error = (variance * squares).sqrt() / weights.len() as f64;
+        let off = relative - x * mean(&weights);
+        assert!(off.abs() < 4.0 * error, "{relative} off by {off}");
+        assert!(error < 0.05 * relative);
+        assert!((difference.rmse() - 0.02).abs() < 1e-3, "{difference:?}");
+        // Two stops more are four times the light.
+        let brighter = Difference::of(&picture, &reference, 2.0);
+        assert!((brighter.rmse() - 4.0 * difference.rmse()).abs() < 1e-6);
+        assert!(brighter.relative_square_error > relative);
+    }
+
+    #[test]
+    fn what_is_better_than_the_reference_measures_as_nothing() {
+        let truth = slope(32, 32);
+        let mut noise = Noise::new(4);
+        let mut negative = 0;
+        let measured = [0; 40].map(|_| {
+            let difference = Difference::of(&truth, &noise.reference(&truth, 0.05), 0.0);
+            negative += usize::from(difference.square_error < 0.0 && difference.rmse() == 0.0);
+            difference.square_error
+        });
+        let measured = Estimate::of(&measured);
+        assert!(measured.mean.abs() < 4.0 * measured.error, "{measured:?}");
+        assert!((10..30).contains(&negative), "{negative}");
+    }
+
+    #[test]
+    fn the_interval_of_the_mean_bias_holds_the_truth() {
+        let truth = slope(40, 40);
+        let mut picture = truth.clone();
+        for pixel in picture.pixels_mut() {
+            *pixel *= 1.02;
+        }
+        let mut noise = Noise::new(5);
+        let covered = (0..200).filter(|_| {
+            let reference = noise.reference(&truth, 0.1);
+            let picture = noise.picture(&picture, 0.2);
+            let [low, high] = Difference::of(&picture, &reference, 0.0).mean_bias_interval;
+            (low..high).contains(&0.02)
+        });
+        let covered = covered.count();
+        assert!((180..=198).contains(&covered), "{covered}");
+    }
+
+    #[test]
+    fn percentile_and_map_are_of_the_relative_error() {
+        let black = Film::new(20, 10);
+        let reference = Reference::new(black.clone(), black.clone());
+        let mut picture = black;
+        for (i, pixel) in picture.pixels_mut().iter_mut().enumerate() {
+            // In black the divisor is 0.1.
+            *pixel = Vec3::splat(0.1 * (i + 1) as f32 / 200.0);
+        }
+        let difference = Difference::of(&picture, &reference, 0.0);
+        assert!((difference.p95_relative_error - 0.95).abs() < 1e-6);
+        assert!((difference.relative_square_error - 1.0 / 3.0).abs() < 0.01);
+        let errors = relative_errors(&picture, &reference, 0.0);
+        assert!((errors[99] - 0.5).abs() < 1e-6 && errors.len() == 200);
+        // Half the light in the same black.
+        let errors = relative_errors(&picture, &reference, -1.0);
+        assert!((errors[99] - 0.25).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_same_picture_differs_in_nothing() {
+        for (width, height) in [(1, 1), (33, 20)] {
+            let truth = slope(width, height);
+            let reference = Reference::new(truth.clone(), truth.clone());
+            let difference = Difference::of(&truth, &reference, 1.0);
+            let error = if width == 1 { f64::INFINITY } else { 0.0 };
+            let zero = Estimate { mean: 0.0, error };
+            assert_eq!(difference.square_error, 0.0);
+            assert_eq!(difference.relative_square_error, 0.0);
+            assert_eq!(difference.p95_relative_error, 0.0);
+            assert_eq!(difference.mean_bias, zero);
+            assert_eq!(difference.mean_bias_interval, [-error, error]);
+            assert_eq!(difference.flip, 0.0);
+        }
+    }
+
+    #[test]
+    fn black_has_no_relative_mean() {
+        let black = Film::new(1, 1);
+        let reference = Reference::new(black.clone(), black.clone());
+        let difference = Difference::of(&black, &reference, 0.0);
+        assert!(difference.mean_bias.mean.is_nan());
+        assert_eq!(difference.p95_relative_error, 0.0);
+    }
+}

@@ -1,0 +1,64 @@
+/// The least and the most relative error with a colour of its own: 1 % and 100 %.
+pub const HEAT_RANGE: [f32; 2] = [0.01, 1.0];
+
+/// Paints errors, one for each pixel: R, G, B by pixel, in 8-bit sRGB.
+///
+/// The scale is logarithmic over [`HEAT_RANGE`], the same for every picture so that two may be compared:
+/// black is 1 % or less, red-violet 10 %, pale yellow 100 % or more, and so is what is no number. The colours
+/// are "magma" of matplotlib (van der Walt and Smith 2015), whose steps look alike and whose lightness alone
+/// tells the order.
+pub fn heat_map(errors: &[f32]) -> Vec<u8> {
+    let colors = nv_flip::magma_lut().to_vec();
+    let [least, most] = HEAT_RANGE;
+    let color = |&error: &f32| {
+        let place = if error < most {
+            libm::logf(error.max(least) / least) / libm::logf(most / least)
+        } else {
+            1.0
+        };
+        let first = 3 * (255.0 * place).round() as usize;
+        colors[first..first + 3].iter().copied()
+    };
+    errors.iter().flat_map(color).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::color::srgb_to_linear;
+
+    fn luminance(color: &[u8]) -> f32 {
+        let linear = |i: usize| srgb_to_linear(f32::from(color[i]) / 255.0);
+        0.2126 * linear(0) + 0.7152 * linear(1) + 0.0722 * linear(2)
+    }
+
+    #[test]
+    fn ends_and_middle_have_their_colors() {
+        let ends = [0.01, 1.0].map(|error| heat_map(&[error]));
+        assert_eq!(ends, [[0, 0, 4], [252, 253, 191]]);
+        for error in [0.0, -1.0, 0.0099, f32::NEG_INFINITY] {
+            assert_eq!(heat_map(&[error]), ends[0], "{error}");
+        }
+        for error in [1.5, f32::INFINITY, f32::NAN] {
+            assert_eq!(heat_map(&[error]), ends[1], "{error}");
+        }
+        assert_eq!(heat_map(&[0.1]), [183, 55, 121]);
+        assert_eq!(heat_map(&[0.1, 0.01]).len(), 6);
+    }
+
+    /// Evenly in lightness L* (CIE 1976), a factor of the error being the same step everywhere.
+    #[test]
+    fn lightness_rises_evenly_with_the_logarithm() {
+        let errors: Vec<f32> = (0..=20)
+            .map(|i| libm::powf(10.0, 0.1 * i as f32 - 2.0))
+            .collect();
+        let lightness = |color: &[u8]| 116.0 * libm::cbrtf(luminance(color)) - 16.0;
+        let map = heat_map(&errors);
+        let lightness: Vec<f32> = map.chunks_exact(3).map(lightness).collect();
+        // What is nearly black is left out: there the cube root is no measure of lightness.
+        for pair in lightness[2..].windows(2) {
+            let step = pair[1] - pair[0];
+            assert!((3.0..7.0).contains(&step), "{lightness:?}");
+        }
+    }
+}

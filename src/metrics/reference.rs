@@ -1,0 +1,121 @@
+use super::mean;
+use super::pixel::{channel_mean, middle, normaliser};
+use crate::film::Film;
+use glam::DVec3;
+
+/// Two independent halves of one picture, and what they give together.
+///
+/// Each half is right in the mean, with noise of its own. Two say how large their noise is, and errors
+/// against them can be told from it.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    a: Film,
+    b: Film,
+    mean: Film,
+}
+
+impl Reference {
+    /// Of two unbiased pictures made with different seeds.
+    ///
+    /// # Panics
+    ///
+    /// If their sizes differ.
+    pub fn new(a: Film, b: Film) -> Reference {
+        assert_same_size(&a, &b);
+        let mut mean = a.clone();
+        for (pixel, other) in mean.pixels_mut().iter_mut().zip(b.pixels()) {
+            *pixel = 0.5 * (*pixel + *other);
+        }
+        Reference { a, b, mean }
+    }
+
+    /// The halves.
+    pub fn halves(&self) -> [&Film; 2] {
+        [&self.a, &self.b]
+    }
+
+    /// The mean of the halves: the best picture there is.
+    pub fn mean(&self) -> &Film {
+        &self.mean
+    }
+
+    /// What the reference's own relMSE is likely to be at an exposure in stops: the mean over pixels and
+    /// channels of ((A - B) / 2)^2 / (r^2 + 0.01), whose expectation is the mean's variance.
+    pub fn relative_square_error(&self, exposure: f32) -> f64 {
+        let reference = self.exposed(exposure);
+        let squares = reference.pixels().map(|halves| {
+            let half = 0.5 * (halves[0] - halves[1]);
+            channel_mean(half * half / normaliser(middle(halves)))
+        });
+        let squares: Vec<f64> = squares.collect();
+        mean(&squares)
+    }
+
+    /// In units of display white.
+    pub(super) fn exposed(&self, exposure: f32) -> Reference {
+        Reference {
+            a: exposed(&self.a, exposure),
+            b: exposed(&self.b, exposure),
+            mean: exposed(&self.mean, exposure),
+        }
+    }
+
+    /// The halves of each pixel.
+    pub(super) fn pixels(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
+        let halves = self.a.pixels().iter().zip(self.b.pixels());
+        halves.map(|(a, b)| [a.as_dvec3(), b.as_dvec3()])
+    }
+}
+
+/// The picture at an exposure in stops.
+pub(super) fn exposed(film: &Film, exposure: f32) -> Film {
+    let mut film = film.clone();
+    film.expose(exposure);
+    film
+}
+
+/// Pictures are compared pixel by pixel.
+pub(super) fn assert_same_size(a: &Film, b: &Film) {
+    let [a, b] = [a, b].map(|film| [film.width(), film.height()]);
+    assert_eq!(a, b, "pictures of different sizes");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::synthetic::Noise;
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn knows_its_own_noise() {
+        let mut noise = Noise::new(1);
+        let truth = noise.even(64, 48, 0.5);
+        let reference = noise.reference(&truth, 0.1);
+        for exposure in [0.0, -2.0] {
+            let scale = libm::exp2(exposure);
+            // The mean of two has half the variance.
+            let expected = (0.1 * scale).powi(2) / 2.0 / ((0.5 * scale).powi(2) + 0.01);
+            let own = reference.relative_square_error(exposure as f32);
+            // Of 9216 channels; the divisor's noise adds up to 3 times the square.
+            let tolerance = 4.0 * expected * (2.0_f64 / 9216.0).sqrt() + 3.0 * expected * expected;
+            assert!((own - expected).abs() < tolerance, "{own} {expected}");
+        }
+    }
+
+    #[test]
+    fn its_mean_is_between_its_halves() {
+        let [mut a, b] = [Film::new(1, 1), Film::new(1, 1)];
+        a.pixels_mut()[0] = Vec3::new(1.0, 2.0, 3.0);
+        let reference = Reference::new(a, b);
+        assert_eq!(reference.mean().pixels(), [Vec3::new(0.5, 1.0, 1.5)]);
+        // ((1 / 4) / 0.26 + 1 / 1.01 + (9 / 4) / 2.26) / 3.
+        let own = reference.relative_square_error(0.0);
+        assert!((own - 0.982_404).abs() < 1e-6, "{own}");
+    }
+
+    #[test]
+    #[should_panic(expected = "different sizes")]
+    fn halves_are_of_one_size() {
+        Reference::new(Film::new(2, 1), Film::new(1, 2));
+    }
+}

@@ -1,0 +1,57 @@
+//! Pictures with noise of known variance, for tests.
+
+use super::Reference;
+use crate::film::Film;
+use crate::sampling::Random;
+use glam::Vec3;
+use std::f64::consts::TAU;
+
+/// Normal numbers, the same in every run.
+#[derive(Debug)]
+pub(super) struct Noise(Random);
+
+impl Noise {
+    pub(super) fn new(seed: u64) -> Noise {
+        Noise(Random::new(seed))
+    }
+
+    /// A number of mean 0 and variance 1 (Box and Muller 1958).
+    pub(super) fn normal(&mut self) -> f64 {
+        let [u, v] = [0; 2].map(|_| f64::from(self.0.unit()));
+        (-2.0 * libm::log(1.0 - u)).sqrt() * libm::cos(TAU * v)
+    }
+
+    /// Light of which each channel is off by `sigma`.
+    pub(super) fn light(&mut self, truth: Vec3, sigma: f64) -> Vec3 {
+        let mut channel = || (sigma * self.normal()) as f32;
+        truth + Vec3::new(channel(), channel(), channel())
+    }
+
+    /// Light whose channels lie evenly between two values.
+    pub(super) fn between(&mut self, low: f32, high: f32) -> Vec3 {
+        let mut channel = || low + (high - low) * self.0.unit();
+        Vec3::new(channel(), channel(), channel())
+    }
+
+    /// A picture that is `value` everywhere.
+    pub(super) fn even(&self, width: u32, height: u32, value: f32) -> Film {
+        let mut film = Film::new(width, height);
+        film.pixels_mut().fill(Vec3::splat(value));
+        film
+    }
+
+    /// A picture of which each channel is off by `sigma`.
+    pub(super) fn picture(&mut self, truth: &Film, sigma: f64) -> Film {
+        let mut film = truth.clone();
+        for pixel in film.pixels_mut() {
+            *pixel = self.light(*pixel, sigma);
+        }
+        film
+    }
+
+    /// A reference each half of which is off by `sigma`.
+    pub(super) fn reference(&mut self, truth: &Film, sigma: f64) -> Reference {
+        let [a, b] = [0; 2].map(|_| self.picture(truth, sigma));
+        Reference::new(a, b)
+    }
+}

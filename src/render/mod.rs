@@ -1,14 +1,16 @@
-//! Frames and sequences of frames: which samples a pixel takes, who works on what, and what two
-//! frames show of the same points.
+//! Frames and sequences of frames: which samples a pixel takes, who works on what, and how noise moves
+//! from frame to frame.
 //!
 //! A frame is a pure function of (scene, camera, settings, frame number): the same bytes for any
 //! number of threads. Knows nothing of file formats, folders or terminals.
 
+mod flicker;
 mod frame;
 mod reprojection;
 mod sequence;
 mod settings;
 
+pub use flicker::Flicker;
 pub use frame::{RenderedFrame, render_frame, tile_count};
 pub use reprojection::{Match, Reprojection};
 pub use sequence::{FrameSink, Observer, Outcome, SinkError, render_sequence};

@@ -37,6 +37,15 @@ impl Camera {
             down,
         }
     }
+
+    /// Where a point, in world coordinates, is seen on a film of `size` pixels, on it or beside it: what
+    /// [`CameraRays::through`] undoes. None for a point that is not in front of the eye.
+    pub fn project(&self, size: DVec2, point: DVec3) -> Option<DVec2> {
+        // The rotation's transpose is its inverse.
+        let DVec3 { x, y, z } = self.rotation.transpose() * (point - self.position);
+        let pixel = 2.0 * self.half_height / size.y;
+        (z < 0.0).then(|| 0.5 * size + DVec2::new(x, -y) / (-z * pixel))
+    }
 }
 
 /// The rays of a camera through its film.
@@ -56,14 +65,21 @@ impl CameraRays {
     /// `film` counts pixels from the upper left corner, so the centre of the first pixel is (0.5, 0.5).
     #[inline]
     pub fn through(&self, film: DVec2) -> Ray {
-        let direction = self.corner + film.x * self.right + film.y * self.down;
-        Ray::new(self.eye, direction.normalize().as_vec3())
+        Ray::new(self.eye, self.towards(film).normalize().as_vec3())
+    }
+
+    /// From the eye to a point of the film, in double precision.
+    #[inline]
+    fn towards(&self, film: DVec2) -> DVec3 {
+        self.corner + film.x * self.right + film.y * self.down
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::Random;
+    use glam::DQuat;
 
     #[test]
     fn film_corners_see_the_field_of_view() {
@@ -81,5 +97,36 @@ mod tests {
         assert!((top - Vec3::new(0.0, 1.0, -1.0).normalize()).length() < 1e-7);
         let right = ray(200.0, 50.0).direction;
         assert!((right - Vec3::new(2.0, 0.0, -1.0).normalize()).length() < 1e-7);
+    }
+    #[test]
+    fn projection_undoes_rays() {
+        let mut random = Random::new(1);
+        let size = DVec2::new(1920.0, 1080.0);
+        for _ in 0..1000 {
+            let axis = random.point().normalize();
+            let rotation = DQuat::from_axis_angle(axis, 6.0 * f64::from(random.unit()));
+            let camera = Camera {
+                position: 100.0 * random.point(),
+                rotation: DMat3::from_quat(rotation),
+                half_height: 0.05 + f64::from(random.unit()),
+            };
+            let origin = camera.position + random.point();
+            let rays = camera.rays(size, origin);
+            let film = DVec2::new(random.unit().into(), random.unit().into()) * 3.0 * size - size;
+            let distance = 1.0 + 1000.0 * f64::from(random.unit());
+            let towards = rays.towards(film).normalize() * distance;
+            let seen = camera.project(size, camera.position + towards);
+            let seen = seen.expect("in front of the eye");
+            assert!((seen - film).length() < 1e-9, "{seen} instead of {film}");
+            // Rays themselves are rounded to single precision: what an angle is on the film grows with
+            // the square of the distance from its middle.
+            let seen = camera.project(size, origin + rays.through(film).at(distance));
+            let seen = seen.expect("in front of the eye");
+            let stretch = rays.towards(film).length_squared() * size.y / camera.half_height;
+            assert!((seen - film).length() < f64::from(f32::EPSILON) * stretch);
+            assert_eq!(camera.project(size, camera.position - towards), None);
+        }
+        let camera = Camera::look_at(DVec3::ONE, DVec3::ZERO, 1.0).expect("not straight down");
+        assert_eq!(camera.project(size, camera.position), None);
     }
 }

@@ -1,17 +1,22 @@
-//! Frames and sequences of frames: which samples a pixel takes, and who works on what.
+//! Frames and sequences of frames: which samples a pixel takes, who works on what, and how noise moves
+//! from frame to frame.
 //!
 //! A frame is a pure function of (scene, camera, settings, frame number): the same bytes for any
 //! number of threads. Knows nothing of file formats, folders or terminals.
 
 mod allocation;
+mod flicker;
 mod frame;
 mod grid;
 mod noise;
+mod reprojection;
 mod samples;
 mod sequence;
 mod settings;
 
+pub use flicker::Flicker;
 pub use frame::{Noise, RenderedFrame, render_frame, tile_count};
 pub use noise::ErrorEstimate;
+pub use reprojection::{Match, Reprojection};
 pub use sequence::{EncodedFrame, FrameSink, Observer, Outcome, SinkError, render_sequence};
 pub use settings::{PixelSampling, RenderSettings};

@@ -1,5 +1,5 @@
-use super::pixel::{channel_mean, middle, normaliser, relative_square};
-use super::{Estimate, mean, student};
+use super::pixel::{channel_mean, middle, square};
+use super::{DARK, Estimate, mean, student};
 use glam::{DVec3, Vec3};
 
 /// How likely chance alone puts an estimate of a [`BiasCheck`] so far from 0, to either side, that it is no
@@ -33,8 +33,8 @@ pub struct BiasCheck {
     pub squared_bias: Estimate,
     /// mean(c) / mean(r) - 1: above 0 if the technique is too bright. NaN if the oracle is black.
     pub mean_bias: Estimate,
-    /// relMSE of one picture, its noise and its bias, as
-    /// [`Difference::relative_square_error`](super::Difference::relative_square_error).
+    /// The mean of (c1 - A)(c1 - B) / (r^2 + 0.01), r being the oracle's mean: the noise of one picture and its
+    /// bias.
     pub relative_square_error: Estimate,
     /// How many pixels there are.
     pub pixels: usize,
@@ -57,7 +57,9 @@ impl BiasCheck {
         };
         let difference = over_pixels(&|pixel| middle(pixel.technique) - middle(pixel.oracle));
         let oracle = over_pixels(&|pixel| middle(pixel.oracle));
-        let error = over_pixels(&|pixel| relative_square(pixel.technique[0], pixel.oracle));
+        let error = over_pixels(&|pixel| {
+            square(pixel.technique[0], pixel.oracle) / beside(middle(pixel.oracle))
+        });
         BiasCheck {
             squared_bias: Estimate::of(&over_pixels(&|pixel| pixel.squared_bias(share))),
             mean_bias: Estimate::of(&difference) / mean(&oracle),
@@ -111,9 +113,14 @@ impl Values {
     /// bias. So it knows nothing of one of them, whose mean is 0 without a bias, however noisy all are.
     fn squared_bias(&self, oracle_share: f64) -> DVec3 {
         let [(c1, a), (c2, b)] = [0, 1].map(|i| (self.technique[i], self.oracle[i]));
-        let inverse = |c: DVec3, r: DVec3| normaliser(c.lerp(r, oracle_share)).recip();
+        let inverse = |c: DVec3, r: DVec3| beside(c.lerp(r, oracle_share)).recip();
         (c1 - a) * (c2 - b) * middle([inverse(c1, a), inverse(c2, b)])
     }
+}
+
+/// What squared errors of a pixel of light r are divided by: held-out pixels know none around them.
+fn beside(r: DVec3) -> DVec3 {
+    r * r + f64::from(DARK).powi(2)
 }
 
 /// How much of the oracle there is to be in the mix that errors are divided by: as much as the technique
@@ -124,7 +131,7 @@ fn oracle_share(pixels: &[Values]) -> f64 {
             let [first, second] = values(pixel);
             let r = middle([middle(pixel.technique), middle(pixel.oracle)]);
             let difference = first - second;
-            channel_mean(difference * difference / normaliser(r))
+            channel_mean(difference * difference / beside(r))
         };
         pixels.iter().map(square).sum()
     };
@@ -184,7 +191,8 @@ mod tests {
         let check = BiasCheck::of(&pixels, 0.0);
         let products = pixels.iter().map(|pixel| {
             let values = Values::of(pixel, 1.0);
-            channel_mean(relative_square(values.technique[0], values.oracle))
+            let error = square(values.technique[0], values.oracle);
+            channel_mean(error / beside(middle(values.oracle)))
         });
         let divided_by_mean = Estimate::of(&products.collect::<Vec<f64>>());
         assert!(divided_by_mean.mean < -20.0 * divided_by_mean.error);

@@ -1,6 +1,6 @@
 use super::blocks::over_blocks;
-use super::pixel::{channel_mean, middle, relative, relative_square, square};
-use super::reference::{assert_same_size, exposed};
+use super::pixel::{channel_mean, square};
+use super::reference::{ReferencePixel, assert_same_size, exposed};
 use super::{Estimate, Flip, Reference, mean, percentile};
 use crate::film::Film;
 use glam::DVec3;
@@ -14,12 +14,10 @@ pub struct Difference {
     /// By chance it is negative if the picture is much better than they are: that is kept, as means of many
     /// pictures would be too high otherwise.
     pub square_error: f64,
-    /// relMSE: the same, each square divided by r^2 + 0.01, r being the reference. May be negative too.
-    ///
-    /// r is the halves' mean, whose noise stays in the divisor: it changes this value by a part of up to 3
-    /// times the reference's own relMSE, so 3 % if that is 0.01.
+    /// relMSE: the same, each square divided by m^2 + 0.01, m being the mean of the reference's pixels around:
+    /// see [`normaliser`](super::normaliser). May be negative too.
     pub relative_square_error: f64,
-    /// Of |x - r| / sqrt(r^2 + 0.01), what 95 % of all pixels' channels do not exceed. The reference's noise
+    /// Of |x - r| / sqrt(m^2 + 0.01), what 95 % of all pixels' channels do not exceed. The reference's noise
     /// counts as the picture's.
     pub p95_relative_error: f64,
     /// mean(x) / mean(r) - 1 over all pixels and channels: above 0 if the picture is too bright. NaN if the
@@ -46,23 +44,21 @@ impl Difference {
     pub fn of(picture: &Film, reference: &Reference, exposure: f32) -> Difference {
         assert_same_size(picture, reference.mean());
         let picture = exposed(picture, exposure);
+        let expected = exposed(reference.mean(), exposure);
         let reference = reference.exposed(exposure);
-        let over_pixels = |value: fn(DVec3, [DVec3; 2]) -> DVec3| -> Vec<f64> {
+        let over_pixels = |value: fn(DVec3, &ReferencePixel) -> DVec3| -> Vec<f64> {
             let pixels = pairs(&picture, &reference);
-            pixels
-                .map(|(x, halves)| channel_mean(value(x, halves)))
-                .collect()
+            pixels.map(|(x, r)| channel_mean(value(x, r))).collect()
         };
-        let errors = pairs(&picture, &reference)
-            .flat_map(|(x, halves)| relative(x, middle(halves)).to_array());
+        let errors = pairs(&picture, &reference).flat_map(|(x, r)| r.relative(x).to_array());
         let mut errors: Vec<f64> = errors.collect();
-        let differences = over_pixels(|x, halves| x - middle(halves));
+        let differences = over_pixels(|x, r| x - r.mean());
         let (difference, degrees) = over_blocks(picture.width(), &differences);
-        let mean_bias = difference / mean(&over_pixels(|_, halves| middle(halves)));
-        let [shown, expected] = [&picture, reference.mean()].map(Film::to_srgb8);
+        let mean_bias = difference / mean(&over_pixels(|_, r| r.mean()));
+        let [shown, expected] = [&picture, &expected].map(Film::to_srgb8);
         Difference {
-            square_error: mean(&over_pixels(square)),
-            relative_square_error: mean(&over_pixels(relative_square)),
+            square_error: mean(&over_pixels(|x, r| square(x, r.halves))),
+            relative_square_error: mean(&over_pixels(|x, r| square(x, r.halves) / r.normaliser)),
             p95_relative_error: percentile(&mut errors, 0.95),
             mean_bias,
             mean_bias_interval: mean_bias.interval(degrees),
@@ -77,7 +73,7 @@ impl Difference {
 }
 
 /// The relative error at each pixel, row by row from the top left: the root of the mean over R, G and B of
-/// (x - r)^2 / (r^2 + 0.01). The reference's noise counts as the picture's; the exposure is in stops.
+/// (x - r)^2 / (m^2 + 0.01). The reference's noise counts as the picture's; the exposure is in stops.
 ///
 /// # Panics
 ///
@@ -86,17 +82,18 @@ pub fn relative_errors(picture: &Film, reference: &Reference, exposure: f32) -> 
     assert_same_size(picture, reference.mean());
     let picture = exposed(picture, exposure);
     let reference = reference.exposed(exposure);
-    let error = |(x, halves)| {
-        let squares = relative(x, middle(halves)).length_squared();
-        (squares / 3.0).sqrt() as f32
-    };
-    pairs(&picture, &reference).map(error).collect()
+    let error = |(x, r): (DVec3, &ReferencePixel)| (r.relative(x).length_squared() / 3.0).sqrt();
+    let errors = pairs(&picture, &reference).map(error);
+    errors.map(|error| error as f32).collect()
 }
 
-/// Each pixel of the picture with the reference's halves.
-fn pairs(picture: &Film, reference: &Reference) -> impl Iterator<Item = (DVec3, [DVec3; 2])> {
-    let pixels = picture.pixels().iter().zip(reference.pixels());
-    pixels.map(|(x, halves)| (x.as_dvec3(), halves))
+/// Each pixel of the picture with the reference's.
+fn pairs<'a>(
+    picture: &'a Film,
+    reference: &'a [ReferencePixel],
+) -> impl Iterator<Item = (DVec3, &'a ReferencePixel)> {
+    let pixels = picture.pixels().iter().zip(reference);
+    pixels.map(|(x, reference)| (x.as_dvec3(), reference))
 }
 
 #[cfg(test)]

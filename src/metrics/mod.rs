@@ -2,7 +2,8 @@
 //!
 //! Pictures are [`Film`](crate::film::Film)s of linear light. An exposure in stops makes of it what is
 //! displayed, and all errors are in those units: 1 is display white. Relative errors are divided by
-//! sqrt(r^2 + 0.01), r being the reference, so that a tenth of white is as dark as it gets.
+//! sqrt(m^2 + 0.01), m being the light around the pixel, so that a tenth of white is as dark as it gets: see
+//! [`normaliser`].
 //!
 //! Knows nothing of files, threads or scenes.
 
@@ -14,6 +15,7 @@ mod heat;
 mod pixel;
 mod reference;
 mod statistics;
+mod surroundings;
 #[cfg(test)]
 mod synthetic;
 
@@ -23,3 +25,4 @@ pub use flip::Flip;
 pub use heat::{HEAT_RANGE, heat_map};
 pub use reference::Reference;
 pub use statistics::{Estimate, mean, percentile, standard_deviation, student};
+pub use surroundings::{DARK, mean_around, normaliser};

@@ -1,5 +1,6 @@
 use super::mean;
-use super::pixel::{channel_mean, middle, normaliser};
+use super::normaliser;
+use super::pixel::{channel_mean, middle};
 use crate::film::Film;
 use glam::DVec3;
 
@@ -40,30 +41,45 @@ impl Reference {
     }
 
     /// What the reference's own relMSE is likely to be at an exposure in stops: the mean over pixels and
-    /// channels of ((A - B) / 2)^2 / (r^2 + 0.01), whose expectation is the mean's variance.
+    /// channels of ((A - B) / 2)^2 / (m^2 + 0.01), whose expectation is the mean's variance.
     pub fn relative_square_error(&self, exposure: f32) -> f64 {
-        let reference = self.exposed(exposure);
-        let squares = reference.pixels().map(|halves| {
-            let half = 0.5 * (halves[0] - halves[1]);
-            channel_mean(half * half / normaliser(middle(halves)))
+        let squares = self.exposed(exposure).into_iter().map(|pixel| {
+            let half = 0.5 * (pixel.halves[0] - pixel.halves[1]);
+            channel_mean(half * half / pixel.normaliser)
         });
         let squares: Vec<f64> = squares.collect();
         mean(&squares)
     }
 
-    /// In units of display white.
-    pub(super) fn exposed(&self, exposure: f32) -> Reference {
-        Reference {
-            a: exposed(&self.a, exposure),
-            b: exposed(&self.b, exposure),
-            mean: exposed(&self.mean, exposure),
-        }
+    /// The pixels in units of display white.
+    pub(super) fn exposed(&self, exposure: f32) -> Vec<ReferencePixel> {
+        let [a, b, mean] = [&self.a, &self.b, &self.mean].map(|film| exposed(film, exposure));
+        let width = mean.width() as usize;
+        let pixel = |number: usize| ReferencePixel {
+            halves: [&a, &b].map(|film| film.pixels()[number].as_dvec3()),
+            normaliser: normaliser(mean.pixels(), width, number, 1, 1.0).as_dvec3(),
+        };
+        (0..mean.pixels().len()).map(pixel).collect()
+    }
+}
+
+/// A pixel of a reference, in units of display white.
+#[derive(Clone, Copy)]
+pub(super) struct ReferencePixel {
+    pub(super) halves: [DVec3; 2],
+    /// What squared errors there are divided by.
+    pub(super) normaliser: DVec3,
+}
+
+impl ReferencePixel {
+    /// What is most likely.
+    pub(super) fn mean(&self) -> DVec3 {
+        middle(self.halves)
     }
 
-    /// The halves of each pixel.
-    pub(super) fn pixels(&self) -> impl Iterator<Item = [DVec3; 2]> + '_ {
-        let halves = self.a.pixels().iter().zip(self.b.pixels());
-        halves.map(|(a, b)| [a.as_dvec3(), b.as_dvec3()])
+    /// |x - r| / sqrt(m^2 + 0.01): the noise of the reference counts as the picture's.
+    pub(super) fn relative(&self, x: DVec3) -> DVec3 {
+        (x - self.mean()).abs() / self.normaliser.map(f64::sqrt)
     }
 }
 
@@ -96,8 +112,8 @@ mod tests {
             // The mean of two has half the variance.
             let expected = (0.1 * scale).powi(2) / 2.0 / ((0.5 * scale).powi(2) + 0.01);
             let own = reference.relative_square_error(exposure as f32);
-            // Of 9216 channels; the divisor's noise adds up to 3 times the square.
-            let tolerance = 4.0 * expected * (2.0_f64 / 9216.0).sqrt() + 3.0 * expected * expected;
+            // Of 9216 channels; the noise of the mean of eight adds up to 3 / 8 of the square.
+            let tolerance = 4.0 * expected * (2.0_f64 / 9216.0).sqrt() + 0.4 * expected * expected;
             assert!((own - expected).abs() < tolerance, "{own} {expected}");
         }
     }
@@ -108,7 +124,7 @@ mod tests {
         a.pixels_mut()[0] = Vec3::new(1.0, 2.0, 3.0);
         let reference = Reference::new(a, b);
         assert_eq!(reference.mean().pixels(), [Vec3::new(0.5, 1.0, 1.5)]);
-        // ((1 / 4) / 0.26 + 1 / 1.01 + (9 / 4) / 2.26) / 3.
+        // One pixel has none around it: ((1 / 4) / 0.26 + 1 / 1.01 + (9 / 4) / 2.26) / 3.
         let own = reference.relative_square_error(0.0);
         assert!((own - 0.982_404).abs() < 1e-6, "{own}");
     }

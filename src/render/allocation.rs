@@ -1,4 +1,5 @@
-use super::noise::{RelativeDeviations, mean_around};
+use super::noise::RelativeDeviations;
+use crate::metrics::mean_around;
 use glam::Vec3;
 use rayon::prelude::*;
 

@@ -1,8 +1,6 @@
 use super::Reprojection;
 use crate::film::Film;
-
-/// Where the light is less than this share of white, errors count as if it were that much.
-const DARK: f64 = 0.1;
+use crate::metrics::DARK;
 
 /// Tiles of so many pixels in a row and in a column tell the standard error.
 const TILE: usize = 8;
@@ -48,7 +46,7 @@ impl Reprojection {
         white: f32,
     ) -> Flicker {
         let residuals = [picture, reference_a, reference_b].map(|films| self.residual(films));
-        let dark = (DARK * f64::from(white)).powi(2);
+        let dark = f64::from(DARK * white).powi(2);
         let later = [reference_a[1], reference_b[1]];
         let product = |i: usize| {
             let [x, a, b] = residuals.each_ref().map(|of| of[i].as_dvec3());

@@ -1,13 +1,12 @@
+use crate::metrics::normaliser;
 use glam::Vec3;
 use rayon::prelude::*;
-use std::ops::{AddAssign, Div};
 
 /// How far a frame is from what it would be with endless samples, by the frame alone.
 ///
 /// The error is relMSE: the mean over pixels and channels of (x - r)^2 / (m^2 + (white / 10)^2), of this very
-/// frame x, where r is the frame without noise, and m the mean of the pixels around the pixel. Where light is
-/// even, m^2 is the usual r^2; but chance moves it independently of the pixel, so that no noise is
-/// divided by itself.
+/// frame x, where r is the frame without noise, and m the mean of the pixels around the pixel: see
+/// [`normaliser`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorEstimate {
     /// An unbiased estimate of the frame's relMSE; at least 0.
@@ -74,10 +73,8 @@ impl RelativeDeviations {
         shared_corners: bool,
     ) -> RelativeDeviations {
         let reach = if shared_corners { 2 } else { 1 };
-        let floor = (0.1 * white).powi(2);
         let relative = |number: usize| {
-            let around = mean_around(pixels, width, number, reach).unwrap_or(pixels[number]);
-            let square = around * around + floor;
+            let square = normaliser(pixels, width, number, reach, white);
             deviations[number] / square.map(f32::sqrt)
         };
         RelativeDeviations {
@@ -93,28 +90,6 @@ impl RelativeDeviations {
             .map(|d| d.length_squared() / 3.0)
             .collect()
     }
-}
-
-/// The mean of the up to eight values around one in a picture of rows of `width`, `reach` to either side.
-pub(super) fn mean_around<T>(values: &[T], width: usize, number: usize, reach: usize) -> Option<T>
-where
-    T: Copy + Default + AddAssign + Div<f32, Output = T>,
-{
-    let (x, y) = (number % width, number / width);
-    let height = values.len() / width;
-    let near = |at: usize, size: usize| {
-        let offsets = [at.checked_sub(reach), Some(at), Some(at + reach)];
-        offsets.into_iter().flatten().filter(move |c| *c < size)
-    };
-    let mut sum = T::default();
-    let mut count = 0;
-    for row in near(y, height) {
-        for column in near(x, width).filter(|column| (*column, row) != (x, y)) {
-            sum += values[row * width + column];
-            count += 1;
-        }
-    }
-    (count > 0).then(|| sum / count as f32)
 }
 
 #[cfg(test)]
@@ -149,8 +124,8 @@ mod tests {
         let deviations: Vec<Vec3> = both().map(|(a, b)| 0.5 * (a - b)).collect();
         let relative = RelativeDeviations::new(&picture, &deviations, WIDTH, 1.0, false);
         let error = |(number, x): (usize, &Vec3)| {
-            let m = mean_around(&picture, WIDTH, number, 1).expect("neighbours");
-            ((x - 0.5).powf(2.0) / (m * m + 0.01)).element_sum()
+            let square = normaliser(&picture, WIDTH, number, 1, 1.0);
+            ((x - 0.5).powf(2.0) / square).element_sum()
         };
         let sum: f32 = picture.iter().enumerate().map(error).sum();
         (
@@ -192,16 +167,5 @@ mod tests {
         let none = vec![Vec3::ZERO; 12];
         let relative = RelativeDeviations::new(&picture, &none, 4, 1.0, true);
         assert_eq!(ErrorEstimate::of(&relative).interval(), [0.0, 0.0]);
-    }
-
-    #[test]
-    fn neighbours_do_not_include_the_pixel() {
-        let values: Vec<f32> = (0..12).map(|i| i as f32).collect();
-        assert_eq!(mean_around(&values, 4, 5, 1), Some(5.0));
-        // Of the corner: 1, 4 and 5.
-        assert_eq!(mean_around(&values, 4, 0, 1), Some(10.0 / 3.0));
-        // Two away from 5, in rows of four and columns of three: 7 only.
-        assert_eq!(mean_around(&values, 4, 5, 2), Some(7.0));
-        assert_eq!(mean_around(&[3.0], 1, 0, 1), None);
     }
 }

@@ -1,0 +1,61 @@
+use glam::Vec3;
+use std::ops::{AddAssign, Div};
+
+/// Errors count in proportion to the light, but to no less than this share of white: otherwise a few pixels
+/// that are nearly black would outweigh all others.
+pub const DARK: f32 = 0.1;
+
+/// The mean of the up to eight values around one in rows of `width`, `reach` to either side; none if there are
+/// none.
+pub fn mean_around<T>(values: &[T], width: usize, number: usize, reach: usize) -> Option<T>
+where
+    T: Copy + Default + AddAssign + Div<f32, Output = T>,
+{
+    let (x, y) = (number % width, number / width);
+    let height = values.len() / width;
+    let near = |at: usize, size: usize| {
+        let offsets = [at.checked_sub(reach), Some(at), Some(at + reach)];
+        offsets.into_iter().flatten().filter(move |c| *c < size)
+    };
+    let mut sum = T::default();
+    let mut count = 0;
+    for row in near(y, height) {
+        for column in near(x, width).filter(|column| (*column, row) != (x, y)) {
+            sum += values[row * width + column];
+            count += 1;
+        }
+    }
+    (count > 0).then(|| sum / count as f32)
+}
+
+/// What squared errors at a pixel are divided by: m^2 + (white / 10)^2, where m is the mean of the pixels
+/// around it, `reach` to either side. Where light is even, m^2 is the usual r^2; but chance moves it
+/// independently of the pixel, so that no noise is divided by itself.
+pub fn normaliser(pixels: &[Vec3], width: usize, number: usize, reach: usize, white: f32) -> Vec3 {
+    let around = mean_around(pixels, width, number, reach).unwrap_or(pixels[number]);
+    around * around + (DARK * white).powi(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_do_not_include_the_pixel() {
+        let values: Vec<f32> = (0..12).map(|i| i as f32).collect();
+        assert_eq!(mean_around(&values, 4, 5, 1), Some(5.0));
+        // Of the corner: 1, 4 and 5.
+        assert_eq!(mean_around(&values, 4, 0, 1), Some(10.0 / 3.0));
+        // Two away from 5, in rows of four and columns of three: 7 only.
+        assert_eq!(mean_around(&values, 4, 5, 2), Some(7.0));
+        assert_eq!(mean_around(&[3.0], 1, 0, 1), None);
+    }
+
+    #[test]
+    fn errors_are_relative_to_the_light_around_or_to_a_tenth_of_white() {
+        let pixels = [0.3, 5.0, 0.5].map(Vec3::splat);
+        let close = |a: Vec3, b: f32| (a - b).abs().max_element() < 1e-6;
+        assert!(close(normaliser(&pixels, 3, 1, 1, 2.0), 0.16 + 0.04));
+        assert!(close(normaliser(&pixels[..1], 1, 0, 1, 1.0), 0.09 + 0.01));
+    }
+}

@@ -12,7 +12,7 @@
 //! | layer | modules | never know |
 //! |---|---|---|
 //! | 0 | [`math`] | anything above |
-//! | 1 | [`sampling`], [`geometry`], [`texture`], [`film`] | files, threads, the scene |
+//! | 1 | [`sampling`], [`geometry`], [`texture`], [`film`], [`chart`] | files, threads, the scene |
 //! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`metrics`] | each other, files, threads |
 //! | 3 | [`scene`] | how light is gathered, files |
 //! | 4 | [`integrator`] | pixels, frames, time |
@@ -22,6 +22,7 @@
 
 pub mod accel;
 pub mod camera;
+pub mod chart;
 pub mod cli;
 pub mod film;
 pub mod geometry;

@@ -1,5 +1,6 @@
 use super::folder::{FrameFolder, write_whole};
 use super::record::FrameRecord;
+use crate::chart::{Axis, Chart, Point, Series};
 use serde::Serialize;
 use std::io;
 
@@ -19,7 +20,7 @@ impl Manifest {
         Manifest { frames }
     }
 
-    /// Writes `manifest.ron` and, if any frame has an error, `errors.csv`.
+    /// Writes `manifest.ron` and, if any frame has an error, `errors.csv` and a picture of it, `errors.svg`.
     pub fn write(&self, folder: &FrameFolder) -> io::Result<()> {
         let pretty = ron::ser::PrettyConfig::new()
             .struct_names(true)
@@ -27,17 +28,38 @@ impl Manifest {
         let text = ron::ser::to_string_pretty(self, pretty).map_err(io::Error::other)?;
         write_whole(&folder.path().join("manifest.ron"), text.as_bytes())?;
         let mut table = "frame,relMSE,low,high\n".to_owned();
-        let mut rows = 0;
+        let mut points = Vec::new();
         for record in &self.frames {
             if let Some(error) = record.error {
-                let (error, low, high) = (error.relative_square_error, error.low, error.high);
-                table += &format!("{},{error:e},{low:e},{high:e}\n", record.frame);
-                rows += 1;
+                let (y, low, high) = (error.relative_square_error, error.low, error.high);
+                table += &format!("{},{y:e},{low:e},{high:e}\n", record.frame);
+                let x = f64::from(record.frame);
+                points.push(Point { x, y, low, high });
             }
         }
-        if rows > 0 {
+        if !points.is_empty() {
             write_whole(&folder.path().join("errors.csv"), table.as_bytes())?;
+            let picture = picture(points).to_svg().map_err(io::Error::other)?;
+            write_whole(&folder.path().join("errors.svg"), picture.as_bytes())?;
         }
         Ok(())
+    }
+}
+
+fn picture(points: Vec<Point>) -> Chart {
+    let axis = |label: &str| Axis {
+        label: label.to_owned(),
+        logarithmic: false,
+    };
+    Chart {
+        title: "Error of each frame".to_owned(),
+        x: axis("frame"),
+        y: axis("relMSE"),
+        series: vec![Series {
+            name: String::new(),
+            points,
+        }],
+        guides: Vec::new(),
+        size: (720, 240),
     }
 }

@@ -18,7 +18,8 @@
 //! | 4 | [`integrator`] | pixels, frames, time |
 //! | 5 | [`render`] | file formats, folders, terminals |
 //! | 6 | [`input`], [`output`], [`selftest`] | each other, the command line |
-//! | 7 | [`cli`] | the mathematics |
+//! | 7 | [`report`] | the command line |
+//! | 8 | [`cli`] | the mathematics |
 
 pub mod accel;
 pub mod camera;
@@ -34,6 +35,7 @@ pub mod math;
 pub mod metrics;
 pub mod output;
 pub mod render;
+pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod selftest;

@@ -17,6 +17,7 @@ pub(super) struct Arguments {
 pub(super) enum Command {
     Render(RenderArguments),
     Check(CheckArguments),
+    Report(ReportArguments),
     /// Run numerically hard cases with known answers on this machine
     ///
     /// Takes less than a minute. Prints for each case what is measured, the most that is right, and the
@@ -74,6 +75,43 @@ pub(super) struct CheckArguments {
     pub(super) scene: PathBuf,
     /// The camera path file (RON)
     pub(super) path: PathBuf,
+}
+
+/// Measure what every technique costs on a scene and a path, and how far off it is
+///
+/// Renders a few small frames of the path by each technique, with several seeds, and compares them with
+/// references, which are made once and kept in the folder. Writes report.md, report.csv, report.json, the
+/// curves of error against time, the flicker along the path, a picture of each technique's errors, and
+/// advice: the cheapest settings for two errors. Exposure and bounces are the scene's and the path's.
+///
+/// Exit status: 0 the report is there, 2 wrong input or usage.
+#[derive(Debug, Args)]
+pub(super) struct ReportArguments {
+    /// The scene file (RON)
+    pub(super) scene: PathBuf,
+    /// The camera path file (RON)
+    pub(super) path: PathBuf,
+    /// Folder for the report
+    #[arg(short, long, value_name = "DIR")]
+    pub(super) out: PathBuf,
+    /// Frames to measure, as in 0-99:50,120 [default: three, spread over the path]
+    #[arg(short, long, value_name = "RANGES")]
+    pub(super) frames: Option<FrameRanges>,
+    /// Columns and rows of the frames that are measured [default: 160 columns]
+    #[arg(short, long, value_name = "WxH", value_parser = parse_size)]
+    pub(super) size: Option<(u32, u32)>,
+    /// How often each technique renders each frame
+    #[arg(long, value_name = "N", default_value = "5", value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub(super) seeds: u32,
+    /// Error of the references (relMSE)
+    #[arg(long, value_name = "X", default_value = "0.0001")]
+    pub(super) reference_error: f64,
+    /// Threads to use [default: all cores]
+    #[arg(short, long, value_name = "N")]
+    pub(super) threads: Option<NonZeroUsize>,
+    /// No progress bar and no summary
+    #[arg(short, long)]
+    pub(super) quiet: bool,
 }
 
 #[derive(Debug, Args)]

@@ -34,8 +34,16 @@ fn parse_range(text: &str) -> Option<(u32, u32, u32)> {
 }
 
 impl FrameRanges {
-    /// The frames in the order listed, each once; or the first that is not below `count`.
-    pub(super) fn resolve(&self, count: u32) -> Result<Vec<u32>, u32> {
+    /// The frames of a path of `count`, in the order listed, each once.
+    pub(super) fn of_path(&self, count: u32) -> Result<Vec<u32>, String> {
+        self.resolve(count).map_err(|frame| {
+            let last = count - 1;
+            format!("--frames: there is no frame {frame}; the path has 0-{last}")
+        })
+    }
+
+    /// As [`FrameRanges::of_path`], or the first that is not below `count`.
+    fn resolve(&self, count: u32) -> Result<Vec<u32>, u32> {
         let mut seen = vec![false; count as usize];
         let mut frames = Vec::new();
         for &(first, last, step) in &self.0 {

@@ -4,8 +4,10 @@
 mod args;
 mod check;
 mod frames;
+mod loading;
 mod progress;
 mod render;
+mod report;
 mod selftest;
 
 use args::{Arguments, Command};
@@ -31,6 +33,7 @@ pub fn run() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Render(render) => render::run(&render),
         Command::Check(check) => check::run(&check),
+        Command::Report(report) => report::run(&report),
         Command::Selftest => selftest::run(),
     };
     let status = result.unwrap_or_else(|error| {

@@ -27,20 +27,12 @@ pub(super) struct SequenceProgress {
 
 impl SequenceProgress {
     pub(super) fn new(frames: u64, steps: Steps, quiet: bool) -> SequenceProgress {
-        let target = if quiet {
-            ProgressDrawTarget::hidden()
-        } else {
-            ProgressDrawTarget::stderr()
-        };
         let steps_per_frame = match steps {
             Steps::Tiles(count) => count,
             Steps::Frames => 1,
         };
-        let bar = ProgressBar::with_draw_target(Some(frames * steps_per_frame), target);
-        let style = ProgressStyle::with_template("{bar:30} {msg}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         SequenceProgress {
-            bar,
+            bar: bar(frames * steps_per_frame, quiet),
             steps,
             frames,
             frames_done: AtomicU64::new(0),
@@ -91,6 +83,48 @@ impl Observer for SequenceProgress {
         }
         self.update();
     }
+}
+
+/// One bar for work of which shares are known: what is done now, time left.
+pub(super) struct ShareProgress {
+    bar: ProgressBar,
+    start: Instant,
+}
+
+impl ShareProgress {
+    /// Steps of the bar.
+    const STEPS: u64 = 1000;
+
+    pub(super) fn new(quiet: bool) -> ShareProgress {
+        ShareProgress {
+            bar: bar(Self::STEPS, quiet),
+            start: Instant::now(),
+        }
+    }
+
+    /// Removes the bar.
+    pub(super) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    /// The share `done`, of 1, is done.
+    pub(super) fn at(&self, done: f64, what: &str) {
+        let left = remaining(self.start.elapsed(), done).map_or("?".to_owned(), clock);
+        self.bar.set_position((done * Self::STEPS as f64) as u64);
+        self.bar.set_message(format!("{what}  ETA {left}"));
+    }
+}
+
+fn bar(steps: u64, quiet: bool) -> ProgressBar {
+    let target = if quiet {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr()
+    };
+    let bar = ProgressBar::with_draw_target(Some(steps), target);
+    let style = ProgressStyle::with_template("{bar:30} {msg}");
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar
 }
 
 /// The time that the rest will take at the pace so far.

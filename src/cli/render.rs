@@ -1,7 +1,7 @@
 use super::args::RenderArguments;
+use super::loading::load;
 use super::progress::{SequenceProgress, Steps, clock, rays_per_second};
 use super::{Failure, Status, warn};
-use crate::input::{InputFiles, load_camera_path, load_scene};
 use crate::output::{FrameFolder, FrameFormat, FrameStorage, Manifest, SequenceInfo};
 use crate::render::{ErrorEstimate, render_sequence, tile_count};
 use std::io::Write;
@@ -12,17 +12,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     flags
         .check()
         .map_err(|error| format!("--{}: {}", error.key.replace('_', "-"), error.message))?;
-    let mut files = InputFiles::default();
-    let path = load_camera_path(&arguments.path, &mut files)?;
-    let threads = match arguments.threads {
-        Some(threads) => threads.get(),
-        None => std::thread::available_parallelism()?.get(),
-    };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()?;
-    let scene = pool.install(|| load_scene(&arguments.scene, &mut files))?;
-    warn(&scene.warnings);
+    let loaded = load(&arguments.scene, &arguments.path, arguments.threads)?;
+    let (scene, path) = (loaded.scene, loaded.path);
     let given = flags.or(path.settings).or(scene.settings);
     given.check_together()?;
     let settings = given.resolve();
@@ -32,12 +23,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     let count = timeline.frame_count();
     let frames = match &arguments.frames {
         None => (0..count).collect(),
-        Some(ranges) => ranges.resolve(count).map_err(|frame| {
-            format!(
-                "--frames: there is no frame {frame}; the path has 0-{}",
-                count - 1
-            )
-        })?,
+        Some(ranges) => ranges.of_path(count)?,
     };
     let format = FrameFormat::from(arguments.format);
     let decisive = format!(
@@ -45,7 +31,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
         env!("CARGO_PKG_VERSION")
     );
     let mut fingerprint = blake3::Hasher::new();
-    fingerprint.update(files.fingerprint().as_bytes());
+    fingerprint.update(loaded.fingerprint.as_bytes());
     fingerprint.update(decisive.as_bytes());
     let info = SequenceInfo {
         fps: timeline.fps,
@@ -78,7 +64,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
         &path.path,
         &settings,
         &missing,
-        &pool,
+        &loaded.pool,
         &folder,
         &progress,
     );

@@ -26,7 +26,7 @@ pub fn encode(film: &Film, note: &str) -> io::Result<Vec<u8>> {
 }
 
 /// What a file says; none if it says nothing.
-pub(super) fn note(file: &Path) -> io::Result<Option<String>> {
+pub fn note(file: &Path) -> io::Result<Option<String>> {
     let meta = MetaData::read_from_file(file, false).map_err(io::Error::other)?;
     let header = meta.headers.first();
     let value = header.and_then(|header| header.own_attributes.other.get(&Text::from(NOTE)));

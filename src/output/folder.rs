@@ -187,7 +187,7 @@ fn magnitude(mut film: Film) -> Film {
 }
 
 /// Writes a file so that it is there whole or not at all, even if the machine stops in between.
-pub(super) fn write_whole(file: &Path, bytes: &[u8]) -> io::Result<()> {
+pub fn write_whole(file: &Path, bytes: &[u8]) -> io::Result<()> {
     let name = file.file_name().unwrap_or_default().to_string_lossy();
     // The process number keeps two programs that write one folder apart.
     let temporary = file.with_file_name(format!(".{name}.{}.tmp", std::process::id()));

@@ -6,8 +6,8 @@ mod format;
 mod manifest;
 mod record;
 
-pub use exr_file::{decode as decode_exr, encode as encode_exr};
-pub use folder::{FolderError, FrameFolder, FrameStorage, SequenceInfo};
+pub use exr_file::{decode as decode_exr, encode as encode_exr, note as note_of_exr};
+pub use folder::{FolderError, FrameFolder, FrameStorage, SequenceInfo, write_whole};
 pub use format::FrameFormat;
 pub use manifest::Manifest;
 pub use record::{FrameError, FrameRecord};

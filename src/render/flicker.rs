@@ -1,9 +1,8 @@
-use super::Reprojection;
+use super::{Reprojection, reprojection};
 use crate::film::Film;
 use crate::metrics::DARK;
 
-/// Tiles of so many pixels in a row and in a column tell the standard error.
-const TILE: usize = 8;
+const TILE: usize = reprojection::TILE as usize;
 
 /// How much a picture's noise moves against the scene from one frame to the next.
 ///

@@ -16,6 +16,9 @@ use rayon::prelude::*;
 /// is off the plane at the point by about as much, for which the bound leaves room six times over.
 const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
+/// Tiles of so many pixels in a row and in a column are worked out, and tell the standard error.
+pub(super) const TILE: u32 = 8;
+
 /// Which points a frame shows that another one shows, too, and where: of a scene that stands still, seen
 /// by two cameras.
 ///
@@ -27,6 +30,8 @@ const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 pub struct Reprojection {
     width: u32,
     height: u32,
+    /// The share of the pixels that was matched.
+    matched: f64,
     matches: Vec<Match>,
 }
 
@@ -48,10 +53,13 @@ impl Reprojection {
         let points = from.points();
         let rows = (0..height).into_par_iter();
         let matches = rows.flat_map_iter(|y| to.matches_of_row(y, &from, &points));
+        let matches: Vec<Match> = matches.collect();
+        let pixels = f64::from(width) * f64::from(height);
         Reprojection {
             width,
             height,
-            matches: matches.collect(),
+            matched: matches.len() as f64 / pixels.max(1.0),
+            matches,
         }
     }
 
@@ -65,6 +73,20 @@ impl Reprojection {
         self.height
     }
 
+    /// Keeps the matches in one of `every` squares of 8 x 8 pixels, for frames that are only worked out
+    /// there. [`Reprojection::matched`] stays what it was.
+    pub fn thin(&mut self, every: u32) {
+        let (width, columns) = (self.width as usize, self.width.div_ceil(TILE) as usize);
+        let tile =
+            |pixel: usize| pixel / width / TILE as usize * columns + pixel % width / TILE as usize;
+        // The golden ratio's multiples are spread evenly (Knuth, "The Art of Computer Programming" 3, 6.4).
+        let chosen = |tile: usize| {
+            let place = (tile as u32).wrapping_mul(0x9e37_79b9);
+            (u64::from(place) * u64::from(every)) >> 32 == 0
+        };
+        self.matches.retain(|of| chosen(tile(of.pixel)));
+    }
+
     /// What is seen in both frames, in the order of the pixels.
     pub fn matches(&self) -> &[Match] {
         &self.matches
@@ -72,8 +94,7 @@ impl Reprojection {
 
     /// The share of the pixels that is matched, 0..1.
     pub fn matched(&self) -> f64 {
-        let pixels = f64::from(self.width) * f64::from(self.height);
-        self.matches.len() as f64 / pixels.max(1.0)
+        self.matched
     }
 
     /// The pixels of `from` that a match is interpolated from, as indices of [`Film::pixels`], and their

@@ -1,0 +1,73 @@
+use super::args::ReportArguments;
+use super::loading::load;
+use super::progress::ShareProgress;
+use super::{Failure, Status};
+use crate::input::Settings;
+use crate::report::{Inputs, report};
+use std::io::Write;
+
+/// Columns of the frames that are measured, unless given.
+const COLUMNS: u32 = 160;
+
+/// Frames that are measured, unless given: from the middles of so many parts of the path.
+const FRAMES: u32 = 3;
+
+pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
+    let loaded = load(&arguments.scene, &arguments.path, arguments.threads)?;
+    let given = loaded.path.settings.or(loaded.scene.settings);
+    let settings = given.resolve();
+    let size = arguments.size.unwrap_or_else(|| {
+        let columns = settings.width.min(COLUMNS);
+        let rows = f64::from(settings.height) * f64::from(columns) / f64::from(settings.width);
+        (columns, (rows.round() as u32).max(1))
+    });
+    let check = Settings {
+        size: Some(size),
+        target_error: Some(arguments.reference_error),
+        ..Settings::default()
+    };
+    check.check().map_err(|error| match error.key {
+        "size" => format!("--{error}"),
+        _ => format!("--reference-error: {}", error.message),
+    })?;
+    let count = loaded.path.path.timeline().frame_count();
+    let frames = match &arguments.frames {
+        Some(ranges) => ranges.of_path(count)?,
+        None => {
+            let parts = FRAMES.min(count);
+            let middle =
+                |part: u32| u64::from(2 * part + 1) * u64::from(count) / u64::from(2 * parts);
+            (0..parts).map(|part| middle(part) as u32).collect()
+        }
+    };
+    let stem = arguments.path.file_stem().unwrap_or_default();
+    let inputs = Inputs {
+        scene: &loaded.scene.scene,
+        path: &loaded.path.path,
+        given,
+        fingerprint: format!("{} {}", loaded.fingerprint, env!("CARGO_PKG_VERSION")),
+        frames,
+        size,
+        seeds: arguments.seeds,
+        reference_error: arguments.reference_error,
+        folder: &arguments.out,
+        title: stem.to_string_lossy().into_owned(),
+    };
+    let progress = ShareProgress::new(arguments.quiet);
+    let made = loaded
+        .pool
+        .install(|| report(&inputs, &|share, what| progress.at(share, what)));
+    progress.finish();
+    let made = made?;
+    if !arguments.quiet {
+        let mut out = std::io::stdout().lock();
+        for line in &made.advice {
+            let _ = writeln!(out, "{line}");
+        }
+        for row in made.bias.iter().filter(|row| row.is_biased) {
+            let _ = writeln!(out, "biased: {} ({})", row.curve, row.flags);
+        }
+        let _ = writeln!(out, "{}", arguments.out.join("report.md").display());
+    }
+    Ok(Status::Done)
+}

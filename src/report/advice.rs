@@ -1,0 +1,100 @@
+use super::measure::Measurement;
+
+/// The errors that are advised on: noise that is just seen, and noise that is not.
+pub const TARGETS: [f64; 2] = [0.01, 0.001];
+
+/// The cheapest setting for an error, in words. `full_size` are the columns and rows of the sequence's frames.
+pub(super) fn advice(
+    measurements: &[Measurement],
+    target: f64,
+    (width, height): (u32, u32),
+) -> String {
+    let pixels = f64::from(width) * f64::from(height);
+    let seconds = |of: &Measurement, seconds: f64| {
+        seconds * pixels / (f64::from(of.size.0) * f64::from(of.size.1))
+    };
+    // What has seeds of its own is no setting of a sequence, and tiny frames cost more for a pixel.
+    let usual = measurements.iter().filter(|m| !m.curve.starts_with("tiny"));
+    let usual: Vec<&Measurement> = usual.filter(|m| !m.flags.contains("mean of")).collect();
+    let good = usual.iter().filter(|m| m.spread[1] <= target);
+    let per_pixel = |m: &&&Measurement| seconds(m, m.seconds);
+    if let Some(best) = good.min_by(|a, b| per_pixel(a).total_cmp(&per_pixel(b))) {
+        return format!(
+            "relMSE {target}: `{}`, {:.2} s per frame of {width}x{height} (measured: {:.2e}).",
+            best.flags,
+            seconds(best, best.seconds),
+            best.relative_square_error,
+        );
+    }
+    let ahead = (1..usual.len()).filter_map(|last| {
+        let [a, b] = [usual[last - 1], usual[last]];
+        let ends_curve = usual.get(last + 1).is_none_or(|next| next.curve != b.curve);
+        let slope =
+            (b.relative_square_error / a.relative_square_error).ln() / (b.seconds / a.seconds).ln();
+        // What falls no more never gets there.
+        let falls =
+            a.curve == b.curve && ends_curve && slope < -0.5 && b.relative_square_error > 0.0;
+        let factor = (target / b.relative_square_error).powf(1.0 / slope);
+        falls.then(|| (b, seconds(b, b.seconds * factor)))
+    });
+    match ahead.min_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((best, seconds)) => format!(
+            "relMSE {target}: no setting measured gets there. By its slope `{}` would with more samples, in \
+             about {seconds:.1} s per frame of {width}x{height}; `--target-error {target}` adds them.",
+            best.flags
+        ),
+        None => format!("relMSE {target}: no setting measured gets there."),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn measured(curve: &'static str, flags: &str, seconds: f64, error: f64) -> Measurement {
+        Measurement {
+            curve,
+            flags: flags.to_owned(),
+            size: (100, 100),
+            seconds,
+            cpu_seconds: seconds,
+            rays: 1.0,
+            rays_per_second: 1.0,
+            rmse: 0.0,
+            relative_square_error: error,
+            spread: [0.9 * error, 1.1 * error],
+            own_estimate: None,
+            p95_relative_error: 0.0,
+            mean_bias: 0.0,
+            mean_bias_interval: [0.0, 0.0],
+            flip: 0.0,
+        }
+    }
+
+    #[test]
+    fn the_cheapest_that_is_good_enough_is_advised() {
+        let all = [
+            measured("a", "--a 1", 1.0, 0.02),
+            measured("a", "--a 2", 2.0, 0.0095),
+            measured("a", "--a 3", 4.0, 0.005),
+            measured("b", "--b 1", 3.0, 0.008),
+            measured("tiny: c", "--c", 0.1, 0.001),
+            measured("d", "--d, the mean of 2 seeds", 0.1, 0.001),
+        ];
+        // --a 2 is beyond it with some seeds.
+        let said = advice(&all, 0.01, (200, 100));
+        assert!(
+            said.contains("`--b 1`, 6.00 s per frame of 200x100"),
+            "{said}"
+        );
+        // --a falls as 1 / n from 4 s and 0.005.
+        let said = advice(&all, 0.001, (100, 100));
+        assert!(
+            said.contains("`--a 3`") && said.contains("--target-error 0.001"),
+            "{said}"
+        );
+        assert!(said.contains("about 2"), "{said}");
+        let said = advice(&all[3..4], 0.001, (100, 100));
+        assert!(said.ends_with("no setting measured gets there."), "{said}");
+    }
+}

@@ -1,0 +1,175 @@
+use super::technique::Technique;
+use super::{Inputs, Progress};
+use crate::film::Film;
+use crate::input::Settings;
+use crate::metrics::{Difference, Estimate, Reference, mean};
+use crate::render::{ErrorEstimate, RenderSettings, render_frame};
+use rustix::time::{ClockId, clock_gettime};
+use serde::Serialize;
+use std::time::Instant;
+
+/// What a technique costs and how far off it is: means over frames and seeds.
+#[derive(Clone, Debug, Serialize)]
+pub struct Measurement {
+    /// The curve that it belongs to.
+    pub curve: &'static str,
+    /// What to write to get it.
+    pub flags: String,
+    /// Columns and rows.
+    pub size: (u32, u32),
+    /// Seconds per frame.
+    pub seconds: f64,
+    /// Seconds per frame of all processors together.
+    pub cpu_seconds: f64,
+    /// Rays per frame.
+    pub rays: f64,
+    /// Rays in a second.
+    pub rays_per_second: f64,
+    /// The root of the mean square error, in units of display white.
+    pub rmse: f64,
+    /// The error, as [`Difference::relative_square_error`] defines it.
+    pub relative_square_error: f64,
+    /// The least and the most of the seeds' errors.
+    pub spread: [f64; 2],
+    /// What the frames themselves say of their error; none where nothing is left to chance.
+    pub own_estimate: Option<f64>,
+    /// What 95 % of the relative errors do not exceed.
+    pub p95_relative_error: f64,
+    /// How much too bright the frames are, as a share of their light.
+    pub mean_bias: f64,
+    /// What holds that 95 times of 100, by the seeds.
+    pub mean_bias_interval: [f64; 2],
+    /// FLIP of the displayed pictures.
+    pub flip: f64,
+}
+
+/// One frame by a technique, and what it took.
+struct Taken {
+    film: Film,
+    seconds: f64,
+    cpu_seconds: f64,
+    rays: u64,
+    error: Option<ErrorEstimate>,
+}
+
+/// Measures a technique on frames and their references; gives its first picture, too.
+pub(super) fn measure(
+    inputs: &Inputs,
+    technique: &Technique,
+    references: &[(u32, Reference)],
+    progress: &mut Progress,
+) -> (Measurement, Film) {
+    let mut picture = None;
+    let mut all = Vec::new();
+    let mut by_seed = Vec::new();
+    let mut bias_by_seed = Vec::new();
+    for seed in 0..inputs.seeds {
+        let (mut errors, mut biases) = (Vec::new(), Vec::new());
+        for (frame, reference) in references {
+            let size = (reference.mean().width(), reference.mean().height());
+            let settings = settings(inputs, technique, size, seed);
+            let taken = take(inputs, technique, &settings, *frame);
+            let difference = Difference::of(&taken.film, reference, inputs.exposure());
+            errors.push(difference.relative_square_error);
+            biases.push(difference.mean_bias.mean);
+            picture.get_or_insert_with(|| taken.film.clone());
+            all.push((taken, difference));
+            progress.step(
+                technique.paths() * f64::from(size.0 * size.1),
+                technique.curve,
+            );
+        }
+        by_seed.push(mean(&errors));
+        bias_by_seed.push(mean(&biases));
+    }
+    let picture = picture.unwrap_or_else(|| Film::new(1, 1));
+    let over =
+        |of: &dyn Fn(&(Taken, Difference)) -> f64| mean(&all.iter().map(of).collect::<Vec<f64>>());
+    let seconds = over(&|(taken, _)| taken.seconds);
+    let rays = over(&|(taken, _)| taken.rays as f64);
+    let own = |(taken, _): &(Taken, Difference)| {
+        taken
+            .error
+            .map_or(f64::NAN, |error| error.relative_square_error)
+    };
+    let mean_bias = Estimate::of(&bias_by_seed);
+    let own_estimate = Some(over(&own)).filter(|own| !own.is_nan());
+    let measurement = Measurement {
+        curve: technique.curve,
+        flags: technique.flags(),
+        size: (picture.width(), picture.height()),
+        seconds,
+        cpu_seconds: over(&|(taken, _)| taken.cpu_seconds),
+        rays,
+        rays_per_second: rays / seconds,
+        rmse: over(&|(_, difference)| difference.square_error)
+            .max(0.0)
+            .sqrt(),
+        relative_square_error: mean(&by_seed),
+        spread: [
+            by_seed.iter().copied().fold(f64::INFINITY, f64::min),
+            by_seed.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        ],
+        own_estimate,
+        p95_relative_error: over(&|(_, difference)| difference.p95_relative_error),
+        mean_bias: mean_bias.mean,
+        mean_bias_interval: mean_bias.interval(inputs.seeds - 1),
+        flip: over(&|(_, difference)| difference.flip),
+    };
+    (measurement, picture)
+}
+
+/// The settings of a technique's frames.
+pub(super) fn settings(
+    inputs: &Inputs,
+    technique: &Technique,
+    size: (u32, u32),
+    seed: u32,
+) -> RenderSettings {
+    let of_frames = Settings {
+        size: Some(size),
+        seed: Some(seed * technique.repeats),
+        ..technique.settings.clone()
+    };
+    // What decides the samples is the technique's alone.
+    let given = Settings {
+        samples: None,
+        splits: None,
+        target_error: None,
+        ..inputs.given.clone()
+    };
+    of_frames.or(given).resolve()
+}
+
+fn take(inputs: &Inputs, technique: &Technique, settings: &RenderSettings, frame: u32) -> Taken {
+    let camera = inputs.camera(frame, technique.is_tiny);
+    let (start, cpu_start) = (Instant::now(), cpu_seconds());
+    let mut rays = 0;
+    let mut error = None;
+    let mut sum = Film::new(settings.width, settings.height);
+    for repeat in 0..technique.repeats {
+        let settings = RenderSettings {
+            seed: settings.seed + repeat,
+            ..settings.clone()
+        };
+        let rendered = render_frame(inputs.scene, &camera, &settings, frame, &|_| ());
+        rays += rendered.rays;
+        error = rendered.noise.map(|noise| noise.error);
+        for (sum, pixel) in sum.pixels_mut().iter_mut().zip(rendered.film.pixels()) {
+            *sum += *pixel / technique.repeats as f32;
+        }
+    }
+    Taken {
+        film: sum,
+        seconds: start.elapsed().as_secs_f64(),
+        cpu_seconds: cpu_seconds() - cpu_start,
+        rays,
+        error: error.filter(|_| technique.repeats == 1),
+    }
+}
+
+/// Seconds that the processors have worked for this program.
+fn cpu_seconds() -> f64 {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
+}

@@ -1,0 +1,265 @@
+//! Speed against error: what every technique costs on a scene and a path, and what it buys.
+//!
+//! A few frames are rendered by each technique of one table, with several seeds, and held against references
+//! whose own noise is known. Pixels that are held out of full-size frames tell whether a technique is right in
+//! the mean, and pairs of frames tell how much it flickers.
+
+mod advice;
+mod bias;
+mod flicker;
+mod measure;
+mod pictures;
+mod reference;
+mod technique;
+mod text;
+
+pub use advice::TARGETS;
+pub use bias::BiasRow;
+pub use flicker::FlickerRow;
+pub use measure::Measurement;
+pub use technique::{Technique, techniques};
+
+use crate::camera::{Camera, CameraPath};
+use crate::chart::{Chart, ChartError};
+use crate::input::Settings;
+use crate::metrics::Reference;
+use crate::output::write_whole;
+use crate::scene::Scene;
+use serde::Serialize;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// What a report is made of.
+#[derive(Debug)]
+pub struct Inputs<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The path.
+    pub path: &'a CameraPath,
+    /// What files and command line set for the sequence; what decides the samples is left to the techniques.
+    pub given: Settings,
+    /// A hash of the input files.
+    pub fingerprint: String,
+    /// The frames that are rendered.
+    pub frames: Vec<u32>,
+    /// Their columns and rows.
+    pub size: (u32, u32),
+    /// How often everything is rendered; at least 2.
+    pub seeds: u32,
+    /// The relMSE of the references.
+    pub reference_error: f64,
+    /// Where the report goes.
+    pub folder: &'a Path,
+    /// What it is called.
+    pub title: String,
+}
+
+impl Inputs<'_> {
+    /// Stops.
+    fn exposure(&self) -> f32 {
+        self.given.exposure.unwrap_or(0.0)
+    }
+
+    /// The camera of a frame, or of the tiny window in the middle of the full-size one.
+    fn camera(&self, frame: u32, is_tiny: bool) -> Camera {
+        let mut camera = self.path.camera(frame);
+        if is_tiny {
+            camera.half_height *= f64::from(TINY.1) / f64::from(self.full_size().1);
+        }
+        camera
+    }
+
+    /// Columns and rows of the sequence's own frames.
+    fn full_size(&self) -> (u32, u32) {
+        let settings = self.given.resolve();
+        (settings.width, settings.height)
+    }
+}
+
+/// Why there is no report.
+#[derive(Debug, Error)]
+pub enum ReportError {
+    /// A file of it cannot be written.
+    #[error("{file}: cannot be written: {source}", file = .file.display())]
+    Unwritable {
+        /// The file.
+        file: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A chart cannot be drawn.
+    #[error(transparent)]
+    Chart(#[from] ChartError),
+    /// A picture cannot be encoded.
+    #[error("a picture cannot be encoded: {0}")]
+    Picture(io::Error),
+}
+
+impl ReportError {
+    fn file(file: &Path, source: io::Error) -> ReportError {
+        ReportError::Unwritable {
+            file: file.to_owned(),
+            source,
+        }
+    }
+}
+
+/// What is found.
+#[derive(Debug, Serialize)]
+pub struct Report {
+    /// Of what.
+    pub title: String,
+    /// Columns and rows of the sequence's own frames.
+    pub full_size: (u32, u32),
+    /// The frames that were rendered.
+    pub frames: Vec<u32>,
+    /// How often.
+    pub seeds: u32,
+    /// The cheapest settings, in words.
+    pub advice: Vec<String>,
+    /// Every technique, in the order of the table.
+    pub measurements: Vec<Measurement>,
+    /// Size, frame and relMSE of each reference.
+    pub references: Vec<((u32, u32), u32, f64)>,
+    /// What the held-out pixels say.
+    pub bias: Vec<BiasRow>,
+    /// What pairs of frames say.
+    pub flicker: Vec<FlickerRow>,
+}
+
+/// Told how far the report is, of 1, and what comes next.
+pub type Listener<'a> = &'a dyn Fn(f64, &str);
+
+/// How far the report is.
+struct Progress<'a> {
+    done: f64,
+    all: f64,
+    listener: Listener<'a>,
+}
+
+impl Progress<'_> {
+    /// So many paths more are done.
+    fn step(&mut self, paths: f64, what: &str) {
+        self.done += paths;
+        (self.listener)((self.done / self.all).min(1.0), what);
+    }
+}
+
+/// Columns and rows of what takes so long that a window in the middle of the frame has to do.
+const TINY: (u32, u32) = (8, 6);
+
+/// Measures everything, on the threads of the current pool, and writes `report.csv`, `report.json`,
+/// `report.md`, `curves` and `flicker` as SVG and PNG, and a strip for each curve.
+pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError> {
+    let techniques = techniques();
+    let mut progress = Progress {
+        done: 0.0,
+        all: work(inputs, &techniques),
+        listener,
+    };
+    let write = |name: &str, bytes: &[u8]| {
+        let file = inputs.folder.join(name);
+        write_whole(&file, bytes).map_err(|source| ReportError::file(&file, source))
+    };
+    let strips = inputs.folder.join("strips");
+    fs::create_dir_all(&strips).map_err(|source| ReportError::file(&strips, source))?;
+
+    let of = |size: (u32, u32), frames: &[u32], progress: &mut Progress| {
+        let made = frames.iter().map(|&frame| {
+            let made = reference::reference(inputs, size, size == TINY, frame)?;
+            progress.step(
+                reference_work(inputs) * f64::from(size.0 * size.1),
+                "references",
+            );
+            Ok((frame, made))
+        });
+        made.collect::<Result<Vec<(u32, Reference)>, ReportError>>()
+    };
+    let usual_references = of(inputs.size, &inputs.frames, &mut progress)?;
+    let tiny_references = of(TINY, &inputs.frames[..1], &mut progress)?;
+    let mut measurements: Vec<Measurement> = Vec::new();
+    for technique in &techniques {
+        let references = match technique.is_tiny {
+            true => &tiny_references,
+            false => &usual_references,
+        };
+        let (measured, picture) = measure::measure(inputs, technique, references, &mut progress);
+        // The last of each curve stays: its best.
+        let strip = pictures::strip(inputs, &picture, &references[0].1)?;
+        write(&strip_of(technique.curve), &strip)?;
+        measurements.push(measured);
+    }
+    let held_out = bias::HeldOut::new(inputs, &mut progress);
+    let checked = techniques.iter().filter(|technique| technique.is_checked);
+    let bias = checked.map(|technique| held_out.check(inputs, technique, &mut progress));
+    let bias = bias.collect();
+    let flicker = flicker::flicker(inputs, &mut progress);
+
+    let quality = |size: (u32, u32), references: &[(u32, Reference)]| {
+        let exposure = inputs.exposure();
+        let rows = references.iter();
+        let rows = rows.map(|(frame, of)| (size, *frame, of.relative_square_error(exposure)));
+        rows.collect::<Vec<_>>()
+    };
+    let full_size = inputs.full_size();
+    let advice = TARGETS.map(|target| advice::advice(&measurements, target, full_size));
+    let report = Report {
+        title: inputs.title.clone(),
+        full_size,
+        frames: inputs.frames.clone(),
+        seeds: inputs.seeds,
+        advice: advice.to_vec(),
+        measurements,
+        references: [
+            quality(inputs.size, &usual_references),
+            quality(TINY, &tiny_references),
+        ]
+        .concat(),
+        bias,
+        flicker,
+    };
+    let chart = |name: &str, chart: Chart| -> Result<(), ReportError> {
+        write(&format!("{name}.svg"), chart.to_svg()?.as_bytes())?;
+        write(&format!("{name}.png"), &chart.to_png()?)
+    };
+    chart("curves", pictures::curves(inputs, &report.measurements))?;
+    chart("flicker", pictures::flicker_curve(inputs, &report.flicker))?;
+    write("report.csv", text::csv(&report).as_bytes())?;
+    write("report.json", &text::json(&report)?)?;
+    write("report.md", text::markdown(&report).as_bytes())?;
+    Ok(report)
+}
+
+/// The file of a curve's strip.
+fn strip_of(curve: &str) -> String {
+    let letter = |c: char| if c.is_alphanumeric() { c } else { '_' };
+    format!(
+        "strips/{}.png",
+        curve.chars().map(letter).collect::<String>()
+    )
+}
+
+/// About how many paths the whole report takes.
+fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
+    let pixels = |(width, height): (u32, u32)| f64::from(width) * f64::from(height);
+    let usual = pixels(inputs.size) * inputs.frames.len() as f64;
+    let of_technique = |technique: &Technique| {
+        let pixels = if technique.is_tiny {
+            pixels(TINY)
+        } else {
+            usual
+        };
+        technique.paths() * pixels * f64::from(inputs.seeds)
+    };
+    techniques.iter().map(of_technique).sum::<f64>()
+        + reference_work(inputs) * (usual + pixels(TINY))
+        + bias::work(inputs.frames.len(), techniques)
+        + flicker::work(inputs.path.timeline().frame_count())
+}
+
+/// About how many paths a pixel of a reference takes: an error of 0.1 for each path.
+fn reference_work(inputs: &Inputs) -> f64 {
+    0.1 / inputs.reference_error
+}

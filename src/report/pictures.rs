@@ -1,0 +1,100 @@
+use super::{FlickerRow, Inputs, Measurement, ReportError, flicker};
+use crate::chart::{Axis, Chart, Point, Series};
+use crate::film::Film;
+use crate::metrics::{Reference, heat_map, relative_errors};
+use image::{ImageFormat, RgbImage};
+use std::io::{self, Cursor};
+
+/// Error against time: a curve for each kind of technique.
+pub(super) fn curves(inputs: &Inputs, measurements: &[Measurement]) -> Chart {
+    let (width, height) = inputs.full_size();
+    let mut series: Vec<Series> = Vec::new();
+    for measured in measurements {
+        let pixels = f64::from(measured.size.0) * f64::from(measured.size.1);
+        let point = Point {
+            x: measured.seconds / pixels * f64::from(width) * f64::from(height),
+            y: measured.relative_square_error,
+            low: measured.spread[0],
+            high: measured.spread[1],
+        };
+        match series
+            .last_mut()
+            .filter(|series| series.name == measured.curve)
+        {
+            Some(series) => series.points.push(point),
+            None => series.push(Series {
+                name: measured.curve.to_owned(),
+                points: vec![point],
+            }),
+        }
+    }
+    Chart {
+        title: format!("{}: error for the time spent", inputs.title),
+        x: Axis {
+            label: format!("seconds per frame of {width}x{height}"),
+            logarithmic: true,
+        },
+        y: Axis {
+            label: "relMSE".to_owned(),
+            logarithmic: true,
+        },
+        series,
+        guides: super::TARGETS.to_vec(),
+        size: (1080, 600),
+    }
+}
+
+/// Flicker over the path.
+pub(super) fn flicker_curve(inputs: &Inputs, rows: &[FlickerRow]) -> Chart {
+    let of_seeds = |seeds: &&'static str| {
+        let rows = rows.iter().filter(|row| row.seeds == *seeds);
+        let points = rows.map(|row| {
+            let [square, error] = row.square;
+            let end = |sign: f64| (square + sign * 1.96 * error).max(0.0).sqrt();
+            Point {
+                x: f64::from(row.frame),
+                y: row.relative,
+                low: end(-1.0),
+                high: end(1.0),
+            }
+        });
+        Series {
+            name: (*seeds).to_owned(),
+            points: points.collect(),
+        }
+    };
+    let axis = |label: &str| Axis {
+        label: label.to_owned(),
+        logarithmic: false,
+    };
+    Chart {
+        title: format!("{}: flicker from each frame to the next", inputs.title),
+        x: axis("frame"),
+        y: axis("relative change"),
+        series: flicker::SEEDS.iter().map(of_seeds).collect(),
+        guides: vec![0.0],
+        size: (960, 300),
+    }
+}
+
+/// A picture and its relative error in false colours, side by side, as a PNG file.
+pub(super) fn strip(
+    inputs: &Inputs,
+    picture: &Film,
+    reference: &Reference,
+) -> Result<Vec<u8>, ReportError> {
+    let errors = heat_map(&relative_errors(picture, reference, inputs.exposure()));
+    let mut shown = picture.clone();
+    shown.expose(inputs.exposure());
+    let shown = shown.to_srgb8();
+    let width = picture.width();
+    let row = 3 * width as usize;
+    let rows = shown.chunks(row).zip(errors.chunks(row));
+    let codes = rows.flat_map(|(picture, errors)| [picture, errors].concat());
+    let strip = RgbImage::from_raw(2 * width, picture.height(), codes.collect());
+    let strip = strip.ok_or_else(|| ReportError::Picture(io::Error::other("cut off")))?;
+    let mut bytes = Cursor::new(Vec::new());
+    let written = strip.write_to(&mut bytes, ImageFormat::Png);
+    written.map_err(|error| ReportError::Picture(io::Error::other(error)))?;
+    Ok(bytes.into_inner())
+}

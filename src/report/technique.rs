@@ -1,0 +1,200 @@
+use crate::input::{Mode, Settings};
+
+/// One way to render a frame.
+#[derive(Clone, Debug)]
+pub struct Technique {
+    /// Techniques of one curve differ only in how many samples they take.
+    pub curve: &'static str,
+    /// What it sets; the rest is the sequence's own.
+    pub settings: Settings,
+    /// It is the mean of so many renderings, each with a seed of its own.
+    pub repeats: u32,
+    /// Whether it takes so long that it renders but a tiny window of the first frame.
+    pub is_tiny: bool,
+    /// Whether its bias is checked: one of each curve is.
+    pub is_checked: bool,
+}
+
+/// Every technique there is: what stands here is measured, drawn and advised.
+pub fn techniques() -> Vec<Technique> {
+    use Mode::{Montecarlo, MontecarloSupersampling, Raytracing, Supersampling};
+    // Camera samples, and paths that go on from each diffuse bounce.
+    type Points<'a> = &'a [(Option<u32>, &'a [u32])];
+    let curve = |curve: &'static str, mode: Mode, points: Points| -> Vec<Technique> {
+        let technique = |(number, (samples, splits)): (usize, &(Option<u32>, &[u32]))| Technique {
+            curve,
+            settings: Settings {
+                mode: Some(mode),
+                samples: *samples,
+                splits: (!splits.is_empty()).then(|| splits.to_vec()),
+                ..Settings::default()
+            },
+            repeats: 1,
+            is_tiny: false,
+            is_checked: number == points.len() / 2,
+        };
+        points.iter().enumerate().map(technique).collect()
+    };
+    let targets = [0.01, 0.003].map(|target| Technique {
+        curve: "montecarlo, to a target error",
+        settings: Settings {
+            mode: Some(Montecarlo),
+            samples: Some(4),
+            splits: Some(vec![2]),
+            target_error: Some(target),
+            ..Settings::default()
+        },
+        repeats: 1,
+        is_tiny: false,
+        is_checked: false,
+    });
+    // A rendering of one sample has two paths, one in each half.
+    let single = curve("independent numbers", Montecarlo, &[(Some(1), &[1])]);
+    let independent = [2, 8, 32].map(|repeats| Technique {
+        repeats,
+        is_checked: false,
+        ..single[0].clone()
+    });
+    let tiny = [
+        curve(
+            "tiny: montecarlo",
+            Montecarlo,
+            &[(None, &[32]), (None, &[512])],
+        ),
+        curve(
+            "tiny: 32 at every bounce",
+            Montecarlo,
+            &[(None, &[32, 32, 32, 32])],
+        ),
+    ];
+    let tiny = tiny.concat().into_iter().map(|technique| Technique {
+        is_tiny: true,
+        is_checked: false,
+        ..technique
+    });
+    let mut all = [
+        curve("raytracing", Raytracing, &[(None, &[])]),
+        curve("supersampling: corners", Supersampling, &[(None, &[])]),
+        curve(
+            "supersampling: spread",
+            Raytracing,
+            &[(Some(4), &[]), (Some(16), &[])],
+        ),
+        curve(
+            "montecarlo",
+            Montecarlo,
+            &[(None, &[4]), (None, &[16]), (None, &[32]), (None, &[128])],
+        ),
+        curve(
+            "montecarlo, 4 camera samples",
+            Montecarlo,
+            &[
+                (Some(4), &[1]),
+                (Some(4), &[4]),
+                (Some(4), &[16]),
+                (Some(4), &[64]),
+            ],
+        ),
+        curve(
+            "montecarlo, one path each",
+            Montecarlo,
+            &[
+                (Some(4), &[1]),
+                (Some(16), &[1]),
+                (Some(64), &[1]),
+                (Some(256), &[1]),
+            ],
+        ),
+        curve(
+            "montecarlo, splitting twice",
+            Montecarlo,
+            &[(Some(4), &[4, 2]), (Some(4), &[16, 2])],
+        ),
+        curve(
+            "montecarlo-supersampling",
+            MontecarloSupersampling,
+            &[(None, &[8]), (None, &[32]), (None, &[128])],
+        ),
+    ]
+    .concat();
+    all.extend(targets);
+    all.extend(independent);
+    all.extend(tiny);
+    all
+}
+
+impl Technique {
+    /// What to write after `flythrough render SCENE PATH` to get it.
+    pub fn flags(&self) -> String {
+        let Settings {
+            mode,
+            samples,
+            splits,
+            target_error,
+            ..
+        } = &self.settings;
+        let mut flags = format!("--mode {}", mode.unwrap_or_default());
+        if let Some(samples) = samples {
+            flags += &format!(" --samples {samples}");
+        }
+        if let Some(splits) = splits {
+            let splits: Vec<String> = splits.iter().map(u32::to_string).collect();
+            flags += &format!(" --splits {}", splits.join(","));
+        }
+        if let Some(target) = target_error {
+            flags += &format!(" --target-error {target}");
+        }
+        if self.repeats > 1 {
+            flags += &format!(", the mean of {} seeds", self.repeats);
+        }
+        flags
+    }
+
+    /// About how many paths each pixel takes, for a forecast.
+    pub(super) fn paths(&self) -> f64 {
+        let samples = self.settings.samples.unwrap_or(1);
+        let splits = self.settings.splits.iter().flatten();
+        let paths: f64 = splits.map(|split| f64::from(*split)).product();
+        let wanted = self
+            .settings
+            .target_error
+            .map_or(1.0, |target| 0.1 / target);
+        f64::from(samples) * paths * f64::from(self.repeats) * wanted
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn every_technique_can_be_rendered_and_every_curve_is_checked_once_at_most() {
+        let mut checked: BTreeMap<&str, usize> = BTreeMap::new();
+        for technique in techniques() {
+            assert_eq!(technique.settings.check(), Ok(()));
+            assert_eq!(technique.settings.check_together(), Ok(()));
+            *checked.entry(technique.curve).or_default() += usize::from(technique.is_checked);
+        }
+        assert!(checked.values().all(|count| *count <= 1), "{checked:?}");
+        assert_eq!(checked["montecarlo"], 1);
+    }
+
+    #[test]
+    fn flags_say_what_is_set() {
+        let find = |curve: &str| techniques().into_iter().rfind(|t| t.curve == curve);
+        for (curve, flags) in [
+            ("raytracing", "--mode raytracing"),
+            (
+                "montecarlo, splitting twice",
+                "--mode montecarlo --samples 4 --splits 16,2",
+            ),
+            (
+                "montecarlo, to a target error",
+                "--mode montecarlo --samples 4 --splits 2 --target-error 0.003",
+            ),
+        ] {
+            assert_eq!(find(curve).map(|t| t.flags()).as_deref(), Some(flags));
+        }
+    }
+}

@@ -1,0 +1,174 @@
+use super::{Measurement, Report, ReportError, strip_of};
+use std::fmt::Write;
+use std::io;
+
+/// A row for each technique, with a header.
+pub(super) fn csv(report: &Report) -> String {
+    let mut text = "curve,flags,width,height,seconds,cpu_seconds,rays,rays_per_second,rmse,relMSE,\
+                    relMSE_low,relMSE_high,own_relMSE,p95_relative_error,mean_bias,mean_bias_low,\
+                    mean_bias_high,flip\n"
+        .to_owned();
+    for m in &report.measurements {
+        let numbers = [
+            m.seconds,
+            m.cpu_seconds,
+            m.rays,
+            m.rays_per_second,
+            m.rmse,
+            m.relative_square_error,
+            m.spread[0],
+            m.spread[1],
+        ];
+        let rest = [
+            m.p95_relative_error,
+            m.mean_bias,
+            m.mean_bias_interval[0],
+            m.mean_bias_interval[1],
+            m.flip,
+        ];
+        let list = |numbers: &[f64]| {
+            let numbers: Vec<String> = numbers.iter().map(|n| format!("{n:.6e}")).collect();
+            numbers.join(",")
+        };
+        let own = m
+            .own_estimate
+            .map_or(String::new(), |own| format!("{own:.6e}"));
+        let (width, height) = m.size;
+        text += &format!(
+            "\"{}\",\"{}\",{width},{height},{},{own},{}\n",
+            m.curve,
+            m.flags,
+            list(&numbers),
+            list(&rest)
+        );
+    }
+    text
+}
+
+/// All of it.
+pub(super) fn json(report: &Report) -> Result<Vec<u8>, ReportError> {
+    let json = serde_json::to_vec_pretty(report);
+    json.map_err(|error| ReportError::Picture(io::Error::other(error)))
+}
+
+/// For people.
+pub(super) fn markdown(report: &Report) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = write(report, &mut text);
+    text
+}
+
+fn write(report: &Report, out: &mut String) -> std::fmt::Result {
+    let (width, height) = report.full_size;
+    writeln!(out, "# {}: speed against error\n", report.title)?;
+    for line in &report.advice {
+        writeln!(out, "* {line}")?;
+    }
+    let frames: Vec<String> = report.frames.iter().map(u32::to_string).collect();
+    writeln!(
+        out,
+        "\n![Error for the time spent](curves.png)\n\n\
+         Frames {} with {} seeds each (tiny: a window in the middle of the first, at full size), on {} threads; means of all. In units of \
+         display white, relMSE is the mean of (x - r)^2 / (m^2 + 0.01), where r is the reference and m the mean \
+         of its pixels around: squared errors are free of the reference's own noise. In brackets the least and \
+         the most of the seeds. `own` is what the frames themselves say of their relMSE, without a reference: \
+         it does not know of bias, nor of edges that are not smooth where a pixel's samples do not spread.\n",
+        frames.join(", "),
+        report.seeds,
+        rayon::current_num_threads()
+    )?;
+    measurements(&report.measurements, out)?;
+    writeln!(
+        out,
+        "\n| reference | frame | its own relMSE |\n|---|---|---|"
+    )?;
+    for ((width, height), frame, error) in &report.references {
+        writeln!(out, "| {width}x{height} | {frame} | {error:.1e} |")?;
+    }
+    writeln!(
+        out,
+        "\n## Bias\n\n\
+         At pixels of {width}x{height} that chance chose, by two independent pictures and two independent \
+         estimates of 512 paths each: what stays of relMSE however many pictures are averaged, and how much \
+         too bright they are; with standard errors.\n\n\
+         | technique | pixels | squared bias | mean bias, % | |\n|---|---|---|---|---|"
+    )?;
+    for row in &report.bias {
+        let [squared, squared_error] = row.squared_bias;
+        let [mean, mean_error] = row.mean_bias.map(|bias| 100.0 * bias);
+        let verdict = if row.is_biased {
+            "**biased**"
+        } else {
+            "none found"
+        };
+        writeln!(
+            out,
+            "| {}: `{}` | {} | {squared:.1e} ± {squared_error:.1e} | {mean:+.2} ± {mean_error:.2} | {verdict} |",
+            row.curve, row.flags, row.pixels
+        )?;
+    }
+    writeln!(
+        out,
+        "\n## Flicker\n\n\
+         The typical change, relative to the light, from a frame of {width}x{height} to the next at the same \
+         point of the scene, beyond what motion and interpolation change in the references; 32 paths.\n\n\
+         ![Flicker](flicker.png)\n\n\
+         | frame | seeds | relative change | its square | pixels matched, % |\n|---|---|---|---|---|"
+    )?;
+    for row in &report.flicker {
+        let [square, error] = row.square;
+        writeln!(
+            out,
+            "| {} | {} | {:.3} | {square:.1e} ± {error:.1e} | {:.0} |",
+            row.frame,
+            row.seeds,
+            row.relative,
+            100.0 * row.matched
+        )?;
+    }
+    writeln!(
+        out,
+        "\n## Pictures\n\n\
+         The best of each curve, and its relative error: black is 1 % or less, violet 10 %, pale yellow 100 %.\n"
+    )?;
+    let mut curves: Vec<&str> = report.measurements.iter().map(|m| m.curve).collect();
+    curves.dedup();
+    for curve in curves {
+        writeln!(out, "{curve}\n\n![{curve}]({})\n", strip_of(curve))?;
+    }
+    Ok(())
+}
+
+fn measurements(rows: &[Measurement], out: &mut String) -> std::fmt::Result {
+    writeln!(
+        out,
+        "| technique | size | s | CPU s | million rays | million rays/s | relMSE | own | RMSE | p95 error, % | \
+         mean bias, % | FLIP |\n|---|---|---|---|---|---|---|---|---|---|---|---|"
+    )?;
+    for m in rows {
+        let (width, height) = m.size;
+        let [low, high] = m.spread;
+        let own = m
+            .own_estimate
+            .map_or(String::new(), |own| format!("{own:.2e}"));
+        let [bias_low, bias_high] = m.mean_bias_interval.map(|bias| 100.0 * bias);
+        writeln!(
+            out,
+            "| {}: `{}` | {width}x{height} | {:.4} | {:.4} | {:.2} | {:.1} | {:.2e} ({low:.2e} to {high:.2e}) | \
+             {own} | {:.4} | {:.1} | {:+.2} ({bias_low:+.2} to {bias_high:+.2}) | {:.4} |",
+            m.curve,
+            m.flags,
+            m.seconds,
+            m.cpu_seconds,
+            1e-6 * m.rays,
+            1e-6 * m.rays_per_second,
+            m.relative_square_error,
+            m.rmse,
+            100.0 * m.p95_relative_error,
+            100.0 * m.mean_bias,
+            m.flip
+        )?;
+    }
+    Ok(())
+}

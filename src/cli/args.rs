@@ -135,6 +135,10 @@ pub(super) struct SettingsArguments {
     /// Chooses the random numbers [default: 0]
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
+    /// The same random numbers in all frames: noise stands still where the camera does [default: new ones
+    /// in each frame]
+    #[arg(long)]
+    lock_seed: bool,
     /// Exposure in stops: +1 doubles the light of PNG frames; EXR keeps it as it is [default: 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
@@ -153,6 +157,7 @@ impl SettingsArguments {
             bounces: self.bounces,
             splits: self.splits.clone(),
             seed: self.seed,
+            lock_seed: self.lock_seed.then_some(true),
             exposure: self.exposure,
             target_error: self.target_error,
         }

@@ -72,6 +72,8 @@ pub struct Settings {
     pub splits: Option<Vec<u32>>,
     /// Chooses the random numbers.
     pub seed: Option<u32>,
+    /// Whether all frames have the same random numbers.
+    pub lock_seed: Option<bool>,
     /// Exposure in stops.
     pub exposure: Option<f32>,
     /// Samples are added until a frame's relMSE is below this.
@@ -101,6 +103,7 @@ impl Settings {
             bounces: self.bounces.or(weaker.bounces),
             splits: self.splits.or(weaker.splits),
             seed: self.seed.or(weaker.seed),
+            lock_seed: self.lock_seed.or(weaker.lock_seed),
             exposure: self.exposure.or(weaker.exposure),
             target_error: self.target_error.or(weaker.target_error),
         }
@@ -188,6 +191,7 @@ impl Settings {
         RenderSettings {
             sampling,
             seed: self.seed.unwrap_or(0),
+            lock_seed: self.lock_seed.unwrap_or(false),
             white: libm::exp2f(-self.exposure.unwrap_or(0.0)),
             target_error: self.target_error,
             ..RenderSettings::new(integrator, width, height)

@@ -65,7 +65,7 @@ impl<'a> Sampler<'a> {
             samples,
             halves,
             seed: settings.seed,
-            frame,
+            frame: if settings.lock_seed { 0 } else { frame },
         }
     }
 

@@ -11,8 +11,11 @@ pub struct RenderSettings {
     pub integrator: Integrator,
     /// Where in the pixel camera rays go.
     pub sampling: PixelSampling,
-    /// Chooses the random numbers; every frame gets its own from it.
+    /// Chooses the random numbers.
     pub seed: u32,
+    /// Whether all frames have the same random numbers. Their noise then stands still where the camera does,
+    /// and sticks to the film where it does not; otherwise it is new in each frame.
+    pub lock_seed: bool,
     /// The light that is displayed as white, above 0: errors count in proportion to the light, and where
     /// that is less than a tenth of white, to the tenth.
     pub white: f32,
@@ -41,6 +44,7 @@ impl RenderSettings {
             integrator,
             sampling: PixelSampling::Center,
             seed: 0,
+            lock_seed: false,
             white: 1.0,
             target_error: None,
         }

@@ -34,7 +34,14 @@ pub struct BiasRow {
 
 /// Pixels of some frames and what is right there, twice.
 pub(super) struct HeldOut {
-    frames: Vec<(u32, Vec<(u32, u32)>, Vec<[Vec3; 2]>)>,
+    frames: Vec<HeldOutFrame>,
+}
+
+struct HeldOutFrame {
+    frame: u32,
+    pixels: Vec<(u32, u32)>,
+    /// Two independent estimates of each.
+    oracle: Vec<[Vec3; 2]>,
 }
 
 impl HeldOut {
@@ -59,9 +66,13 @@ impl HeldOut {
             // No pixel twice, where there are enough.
             let pixels: BTreeSet<(u32, u32)> = (0..PIXELS).map(pixel).collect();
             let pixels: Vec<(u32, u32)> = pixels.into_iter().collect();
-            let values = render(inputs, &oracle, frame, &pixels);
+            let oracle = render(inputs, &oracle, frame, &pixels);
             progress.step(f64::from(ORACLE_SAMPLES) * pixels.len() as f64, "oracle");
-            (frame, pixels, values)
+            HeldOutFrame {
+                frame,
+                pixels,
+                oracle,
+            }
         });
         HeldOut {
             frames: frames.collect(),
@@ -76,7 +87,12 @@ impl HeldOut {
         progress: &mut Progress,
     ) -> BiasRow {
         let mut held_out = Vec::new();
-        for (frame, pixels, oracle) in &self.frames {
+        for HeldOutFrame {
+            frame,
+            pixels,
+            oracle,
+        } in &self.frames
+        {
             let pictures = [0, 1].map(|seed| {
                 let settings = settings(inputs, technique, inputs.full_size(), seed);
                 let halves = render(inputs, &settings, *frame, pixels);

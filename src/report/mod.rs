@@ -204,13 +204,16 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         rows.collect::<Vec<_>>()
     };
     let full_size = inputs.full_size();
-    let advice = TARGETS.map(|target| advice::advice(&measurements, target, full_size));
+    let mut advice: Vec<String> = TARGETS
+        .map(|target| advice::advice(&measurements, target, full_size))
+        .to_vec();
+    advice.extend(flicker::advice(&flicker));
     let report = Report {
         title: inputs.title.clone(),
         full_size,
         frames: inputs.frames.clone(),
         seeds: inputs.seeds,
-        advice: advice.to_vec(),
+        advice,
         measurements,
         references: [
             quality(inputs.size, &usual_references),

@@ -192,6 +192,100 @@ fn formats_hold_the_same_light() {
     }
 }
 
+/// Every frame carries its error; the folder lists and draws those of all frames that are there, whichever
+/// run they are from, and frames of other modes have none.
+#[test]
+fn sequences_say_how_far_off_they_are() {
+    for (format, extension) in [("png", "png"), ("exr", "exr")] {
+        let out = tempfile::tempdir().unwrap();
+        let more = ["--mode", "montecarlo", "--format", format];
+        let render = |frames: &str| {
+            let frames = ["--frames", frames];
+            render_small("test3", "test3", out.path(), &[&more[..], &frames].concat())
+        };
+        assert_eq!(render("2-3").0, Some(0));
+        assert_eq!(render("0").0, Some(0));
+        let read = |name: &str| fs::read_to_string(out.path().join(name)).unwrap();
+        let table = read("errors.csv");
+        let rows: Vec<Vec<f64>> = table
+            .lines()
+            .skip(1)
+            .map(|row| row.split(',').map(|n| n.parse().unwrap()).collect())
+            .collect();
+        assert_eq!(table.lines().next(), Some("frame,relMSE,low,high"));
+        assert_eq!(
+            rows.iter().map(|row| row[0]).collect::<Vec<_>>(),
+            [0.0, 2.0, 3.0]
+        );
+        for row in &rows {
+            assert!(row[2] < row[1] && row[1] < row[3], "{row:?}");
+        }
+        let manifest = read("manifest.ron");
+        assert!(
+            manifest.contains(&format!("relative_square_error: {}", rows[2][1])),
+            "{manifest}"
+        );
+        assert!(read("errors.svg").contains("relMSE"));
+        assert!(
+            out.path()
+                .join(format!("frame_00003.{extension}"))
+                .is_file()
+        );
+    }
+    let out = tempfile::tempdir().unwrap();
+    let more = ["--mode", "raytracing", "--frames", "0"];
+    assert_eq!(render_small("test3", "test3", out.path(), &more).0, Some(0));
+    assert!(!out.path().join("errors.csv").exists());
+}
+
+#[test]
+fn error_maps_are_kept_beside_the_frames() {
+    let out = tempfile::tempdir().unwrap();
+    let more = ["--mode", "montecarlo", "--frames", "1", "--aov", "error"];
+    assert_eq!(render_small("test3", "test3", out.path(), &more).0, Some(0));
+    let map = image::open(out.path().join("error_00001.exr"))
+        .unwrap()
+        .into_rgb32f();
+    assert_eq!(map.dimensions(), (24, 14));
+    assert!(map.as_raw().iter().all(|error| *error >= 0.0));
+    let noisy = map.as_raw().iter().filter(|error| **error > 0.0).count();
+    assert!(noisy > 24 * 14, "{noisy}");
+}
+
+/// All frames end below the target, whatever each of them needs for it.
+#[test]
+fn a_target_error_is_reached_in_every_frame() {
+    let out = tempfile::tempdir().unwrap();
+    let (scene, path) = ("scenes/test3.ron", "paths/test3.ron");
+    let folder = out.path().to_str().unwrap();
+    let start = ["render", scene, path, "-o", folder, "--mode", "montecarlo"];
+    let more = [
+        "--size",
+        "32x24",
+        "--splits",
+        "2",
+        "--target-error",
+        "0.02",
+        "--frames",
+        "0-40:20",
+    ];
+    let output = flythrough(&[&start[..], &more].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        said.contains("error (relMSE)") && said.contains("on average"),
+        "{said}"
+    );
+    let table = fs::read_to_string(out.path().join("errors.csv")).unwrap();
+    let errors = table.lines().skip(1).map(|row| {
+        let numbers: Vec<f64> = row.split(',').map(|n| n.parse().unwrap()).collect();
+        numbers[3]
+    });
+    let errors: Vec<f64> = errors.collect();
+    assert_eq!(errors.len(), 3);
+    assert!(errors.iter().all(|high| *high <= 0.02), "{errors:?}");
+}
+
 #[test]
 fn quiet_says_nothing() {
     let out = tempfile::tempdir().unwrap();
@@ -224,7 +318,7 @@ fn frames_that_cannot_be_written_are_named_and_the_others_go_on() {
 /// Every kind of wrong command: exit status 2, and what the message must say.
 #[test]
 fn wrong_commands_are_refused() {
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 11] = [
         (&["--frames", "0-9999"], "the path has 0-48"),
         (&["--frames", "5-1"], "0-99:2"),
         (&["--size", "0x9"], "--size: 0 is not between 1 and"),
@@ -234,6 +328,11 @@ fn wrong_commands_are_refused() {
         (&["--splits", "3,0"], "--splits: 0"),
         (&["--bounces", "99"], "--bounces: 99"),
         (&["--threads", "0"], "--threads"),
+        (&["--target-error", "2"], "--target-error: 2 is not between"),
+        (
+            &["--mode", "supersampling", "--target-error", "0.1"],
+            "supersampling has no noise",
+        ),
     ];
     for (more, expected) in cases {
         let out = tempfile::tempdir().unwrap();

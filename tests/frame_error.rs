@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 use support::statistics::*;
 use support::*;
 
-const SIZE: [u32; 2] = [96, 72];
+const SIZE: [u32; 2] = [80, 60];
 
 /// A Cornell box with a mirror, spots and two shadows.
 static ROOM: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
@@ -57,7 +57,7 @@ fn intervals_hold_the_true_error() {
         ..settings(monte_carlo(4, &[16]), SIZE[0], SIZE[1])
     };
     for (sampling, reference_splits) in [
-        (PixelSampling::Center, 4096),
+        (PixelSampling::Center, 2048),
         (PixelSampling::Corners, 2048),
         (PixelSampling::Spread(4), 32),
     ] {
@@ -149,7 +149,7 @@ fn halves_are_independent() {
     let settings = settings(monte_carlo(4, &[16]), SIZE[0], SIZE[1]);
     let reference = frame(
         &RenderSettings {
-            integrator: monte_carlo(4, &[4096]),
+            integrator: monte_carlo(4, &[2048]),
             ..settings.clone()
         },
         1_000_000,

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the README's pictures again: scenes/pictures. Takes some minutes.
+# Makes the README's pictures again: scenes/pictures. Takes about half an hour.
 #
 #   scripts/make_pictures.sh [VIDEOS_DIR]
 #
@@ -62,5 +62,9 @@ sheet translate_rotate.png translate_rotate 240
 sheet zoom.png zoom 54
 still gallery gallery gallery --frames 66 --size 960x540
 filter gallery.png null "$work/gallery.png"
+for name in test3 gallery; do
+    target/release/flythrough report "scenes/$name.ron" "paths/$name.ron" --out "$work/$name" --quiet
+    cp "$work/$name/curves.png" "$pictures/curves_$name.png"
+done
 echo "$pictures:"
 ls "$pictures"

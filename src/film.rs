@@ -41,6 +41,21 @@ impl Film {
         &mut self.pixels
     }
 
+    /// `share` of this frame and `other_share` of another of the same size.
+    ///
+    /// # Panics
+    ///
+    /// If their sizes differ.
+    pub fn mixed(&self, share: f32, other: &Film, other_share: f32) -> Film {
+        let sizes = [self, other].map(|film| (film.width, film.height));
+        assert_eq!(sizes[0], sizes[1], "pictures of different sizes");
+        let pixels = self.pixels.iter().zip(&other.pixels);
+        Film {
+            pixels: pixels.map(|(a, b)| share * a + other_share * b).collect(),
+            ..*self
+        }
+    }
+
     /// Multiplies all light by 2^`ev`.
     pub fn expose(&mut self, ev: f32) {
         let factor = libm::exp2f(ev);

@@ -248,6 +248,10 @@ fn error_maps_are_kept_beside_the_frames() {
         .into_rgb32f();
     assert_eq!(map.dimensions(), (24, 14));
     assert!(map.as_raw().iter().all(|error| *error >= 0.0));
+    // What is missing of a frame is made, even if the frame is there.
+    fs::remove_file(out.path().join("error_00001.exr")).unwrap();
+    assert_eq!(render_small("test3", "test3", out.path(), &more).0, Some(0));
+    assert!(out.path().join("error_00001.exr").is_file());
     let noisy = map.as_raw().iter().filter(|error| **error > 0.0).count();
     assert!(noisy > 24 * 14, "{noisy}");
 }

@@ -30,6 +30,10 @@ fn one_thread_or_many_give_the_same_bits() {
         settings.sampling = sampling;
         let one = on_threads(1, &settings, 7);
         assert_eq!(one, on_threads(5, &settings, 7), "{sampling:?}");
+        settings.target_error = Some(0.01);
+        let refined = on_threads(1, &settings, 7);
+        assert_ne!(one, refined);
+        assert_eq!(refined, on_threads(5, &settings, 7), "{sampling:?}");
     }
 }
 

@@ -44,7 +44,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     let storage = FrameStorage {
         format,
         exposure,
-        error_maps: arguments.aov.is_some(),
+        error_maps: arguments.aov.is_some() && settings.has_noise(),
     };
     let folder = FrameFolder::open(&arguments.out, storage, &info, arguments.force)?;
     let missing: Vec<u32> = frames

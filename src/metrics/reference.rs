@@ -22,11 +22,7 @@ impl Reference {
     ///
     /// If their sizes differ.
     pub fn new(a: Film, b: Film) -> Reference {
-        assert_same_size(&a, &b);
-        let mut mean = a.clone();
-        for (pixel, other) in mean.pixels_mut().iter_mut().zip(b.pixels()) {
-            *pixel = 0.5 * (*pixel + *other);
-        }
+        let mean = a.mixed(0.5, &b, 0.5);
         Reference { a, b, mean }
     }
 

@@ -121,9 +121,15 @@ impl FrameFolder {
         self.folder.join(format!("frame_{frame:05}.{extension}"))
     }
 
-    /// Whether a frame is there.
+    /// Whether all that is kept of a frame is there.
     pub fn has(&self, frame: u32) -> bool {
-        self.file_of(frame).is_file()
+        let has_map = || self.map_of(frame).is_file();
+        self.file_of(frame).is_file() && (!self.storage.error_maps || has_map())
+    }
+
+    /// The file of a frame's error map.
+    fn map_of(&self, frame: u32) -> PathBuf {
+        self.folder.join(format!("error_{frame:05}.exr"))
     }
 
     /// What the file of a frame says of it; none if it is not there or says nothing.
@@ -172,7 +178,7 @@ impl FrameSink for FrameFolder {
         };
         // The frame comes last: where it is, all of it is.
         if let Some(map) = &encoded.error_map {
-            keep(self.folder.join(format!("error_{frame:05}.exr")), map)?;
+            keep(self.map_of(frame), map)?;
         }
         keep(self.file_of(frame), &encoded.picture)?;
         Ok(())

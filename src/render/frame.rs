@@ -22,6 +22,17 @@ pub struct RenderedFrame {
     pub non_finite_samples: u64,
 }
 
+impl RenderedFrame {
+    /// The two halves that it is the mean of, independent of each other; the frame itself, twice, where nothing
+    /// was left to chance.
+    pub fn halves(&self) -> [Film; 2] {
+        match &self.noise {
+            Some(noise) => [1.0, -1.0].map(|sign| self.film.mixed(1.0, &noise.deviation, sign)),
+            None => [self.film.clone(), self.film.clone()],
+        }
+    }
+}
+
 /// What the two halves of a frame's samples tell about its noise.
 #[derive(Debug)]
 pub struct Noise {

@@ -44,8 +44,8 @@ impl<'a> Sampler<'a> {
         };
         let mut integrator = settings.integrator.clone();
         let mut halves = 1;
-        if let Integrator::MonteCarlo { bounces, splits } = &mut integrator
-            && (*bounces > 0 || matches!(settings.sampling, PixelSampling::Spread(_)))
+        if let Integrator::MonteCarlo { splits, .. } = &mut integrator
+            && settings.has_noise()
         {
             halves = 2;
             if samples % 2 == 0 {

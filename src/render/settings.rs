@@ -36,6 +36,16 @@ pub enum PixelSampling {
 }
 
 impl RenderSettings {
+    /// Whether frames have noise that may be measured and made less.
+    pub fn has_noise(&self) -> bool {
+        match self.integrator {
+            Integrator::RayTracing { .. } => false,
+            Integrator::MonteCarlo { bounces, .. } => {
+                bounces > 0 || matches!(self.sampling, PixelSampling::Spread(_))
+            }
+        }
+    }
+
     /// One sample in the middle of each pixel, seed 0, white is 1, as many samples as are given.
     pub fn new(integrator: Integrator, width: u32, height: u32) -> RenderSettings {
         RenderSettings {

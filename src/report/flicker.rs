@@ -3,7 +3,6 @@ use crate::film::Film;
 use crate::input::{Mode, Settings};
 use crate::metrics::{Estimate, mean};
 use crate::render::{RenderSettings, Reprojection, render_pixels};
-use glam::Vec3;
 use serde::Serialize;
 
 /// Pairs of frames, spread over the path.
@@ -56,7 +55,7 @@ pub(super) fn flicker(inputs: &Inputs, progress: &mut Progress) -> Vec<FlickerRo
         let references = pair.halves(&settings(2 * REFERENCE_PATHS, SEED), [frame, frame + 1]);
         for (seeds, numbers) in SEEDS.into_iter().zip([[frame, frame + 1], [0, 0]]) {
             let [a, b] = pair.halves(&settings(PATHS, 0), numbers);
-            let picture = [0, 1].map(|i| pair.middle(&a[i], &b[i]));
+            let picture = [0, 1].map(|i| a[i].mixed(0.5, &b[i], 0.5));
             let [a, b] = &references;
             let white = settings(PATHS, 0).white;
             let flicker =
@@ -169,12 +168,5 @@ impl Pair<'_> {
         });
         let [[first_a, first_b], [second_a, second_b]] = both;
         [[first_a, second_a], [first_b, second_b]]
-    }
-
-    fn middle(&self, a: &Film, b: &Film) -> Film {
-        let mut middle = a.clone();
-        let pixels = middle.pixels_mut().iter_mut().zip(b.pixels());
-        pixels.for_each(|(a, b): (&mut Vec3, &Vec3)| *a = 0.5 * (*a + *b));
-        middle
     }
 }

@@ -92,9 +92,9 @@ pub enum ReportError {
     /// A chart cannot be drawn.
     #[error(transparent)]
     Chart(#[from] ChartError),
-    /// A picture cannot be encoded.
-    #[error("a picture cannot be encoded: {0}")]
-    Picture(io::Error),
+    /// A picture or a table cannot be encoded.
+    #[error("a part of the report cannot be encoded: {0}")]
+    Encoding(io::Error),
 }
 
 impl ReportError {
@@ -166,19 +166,8 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
     let strips = inputs.folder.join("strips");
     fs::create_dir_all(&strips).map_err(|source| ReportError::file(&strips, source))?;
 
-    let of = |size: (u32, u32), frames: &[u32], progress: &mut Progress| {
-        let made = frames.iter().map(|&frame| {
-            let made = reference::reference(inputs, size, size == TINY, frame)?;
-            progress.step(
-                reference_work(inputs) * f64::from(size.0 * size.1),
-                "references",
-            );
-            Ok((frame, made))
-        });
-        made.collect::<Result<Vec<(u32, Reference)>, ReportError>>()
-    };
-    let usual_references = of(inputs.size, &inputs.frames, &mut progress)?;
-    let tiny_references = of(TINY, &inputs.frames[..1], &mut progress)?;
+    let usual_references = reference::references(inputs, false, &mut progress)?;
+    let tiny_references = reference::references(inputs, true, &mut progress)?;
     let mut measurements: Vec<Measurement> = Vec::new();
     for technique in &techniques {
         let references = match technique.is_tiny {
@@ -197,11 +186,13 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
     let bias = bias.collect();
     let flicker = flicker::flicker(inputs, &mut progress);
 
-    let quality = |size: (u32, u32), references: &[(u32, Reference)]| {
-        let exposure = inputs.exposure();
-        let rows = references.iter();
-        let rows = rows.map(|(frame, of)| (size, *frame, of.relative_square_error(exposure)));
-        rows.collect::<Vec<_>>()
+    let quality = |(frame, reference): &(u32, Reference)| {
+        let size = (reference.mean().width(), reference.mean().height());
+        (
+            size,
+            *frame,
+            reference.relative_square_error(inputs.exposure()),
+        )
     };
     let full_size = inputs.full_size();
     let mut advice: Vec<String> = TARGETS
@@ -215,11 +206,11 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         seeds: inputs.seeds,
         advice,
         measurements,
-        references: [
-            quality(inputs.size, &usual_references),
-            quality(TINY, &tiny_references),
-        ]
-        .concat(),
+        references: usual_references
+            .iter()
+            .chain(&tiny_references)
+            .map(quality)
+            .collect(),
         bias,
         flicker,
     };
@@ -257,12 +248,7 @@ fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
         technique.paths() * pixels * f64::from(inputs.seeds)
     };
     techniques.iter().map(of_technique).sum::<f64>()
-        + reference_work(inputs) * (usual + pixels(TINY))
+        + reference::work(inputs) * (usual + pixels(TINY))
         + bias::work(inputs.frames.len(), techniques)
         + flicker::work(inputs.path.timeline().frame_count())
-}
-
-/// About how many paths a pixel of a reference takes: an error of 0.1 for each path.
-fn reference_work(inputs: &Inputs) -> f64 {
-    0.1 / inputs.reference_error
 }

@@ -92,9 +92,9 @@ pub(super) fn strip(
     let rows = shown.chunks(row).zip(errors.chunks(row));
     let codes = rows.flat_map(|(picture, errors)| [picture, errors].concat());
     let strip = RgbImage::from_raw(2 * width, picture.height(), codes.collect());
-    let strip = strip.ok_or_else(|| ReportError::Picture(io::Error::other("cut off")))?;
+    let strip = strip.ok_or_else(|| ReportError::Encoding(io::Error::other("cut off")))?;
     let mut bytes = Cursor::new(Vec::new());
     let written = strip.write_to(&mut bytes, ImageFormat::Png);
-    written.map_err(|error| ReportError::Picture(io::Error::other(error)))?;
+    written.map_err(|error| ReportError::Encoding(io::Error::other(error)))?;
     Ok(bytes.into_inner())
 }

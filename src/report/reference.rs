@@ -1,5 +1,4 @@
-use super::{Inputs, ReportError};
-use crate::film::Film;
+use super::{Inputs, Progress, ReportError, TINY};
 use crate::input::{Mode, Settings};
 use crate::metrics::Reference;
 use crate::output::{decode_exr, encode_exr, note_of_exr, write_whole};
@@ -7,24 +6,47 @@ use crate::render::{RenderSettings, render_frame};
 use std::fs;
 
 /// Its numbers have nothing in common with those of what is measured.
-pub(super) const SEED: u32 = 1 << 24;
+const SEED: u32 = 1 << 24;
 
-/// The reference of a frame of so many columns and rows: montecarlo with samples spread over each pixel, added
-/// until its own relMSE is below what the report asks for. It is made once, and kept with the fingerprint of
-/// all that decides it.
-pub(super) fn reference(
+/// The references of the frames that are measured, or of the tiny window, by frame.
+pub(super) fn references(
     inputs: &Inputs,
-    (width, height): (u32, u32),
+    is_tiny: bool,
+    progress: &mut Progress,
+) -> Result<Vec<(u32, Reference)>, ReportError> {
+    let (size, frames) = if is_tiny {
+        (TINY, &inputs.frames[..1])
+    } else {
+        (inputs.size, &inputs.frames[..])
+    };
+    let made = frames.iter().map(|&frame| {
+        let made = reference(inputs, size, is_tiny, frame)?;
+        progress.step(work(inputs) * f64::from(size.0 * size.1), "references");
+        Ok((frame, made))
+    });
+    made.collect()
+}
+
+/// About how many paths each pixel of a reference takes: an error of 0.1 for each path.
+pub(super) fn work(inputs: &Inputs) -> f64 {
+    0.1 / inputs.reference_error
+}
+
+/// The reference of one frame: montecarlo with samples spread over each pixel, added until its own relMSE is below what the report asks for. It is made once, and kept with the fingerprint of
+/// all that decides it.
+fn reference(
+    inputs: &Inputs,
+    size: (u32, u32),
     is_tiny: bool,
     frame: u32,
 ) -> Result<Reference, ReportError> {
-    let settings = settings(inputs, (width, height));
+    let settings = settings(inputs, size);
     let folder = inputs.folder.join("references");
     let camera = inputs.camera(frame, is_tiny);
     let decisive = format!("{} {settings:?} {camera:?} {frame}", inputs.fingerprint);
     let fingerprint = blake3::hash(decisive.as_bytes()).to_string();
-    let files =
-        ["a", "b"].map(|half| folder.join(format!("{width}x{height}_{frame:05}_{half}.exr")));
+    let kind = if is_tiny { "window" } else { "frame" };
+    let files = ["a", "b"].map(|half| folder.join(format!("{kind}_{frame:05}_{half}.exr")));
     let cached = files.each_ref().map(|file| {
         let is_it = note_of_exr(file).is_ok_and(|note| note.as_deref() == Some(&*fingerprint));
         is_it.then(|| decode_exr(file).ok()).flatten()
@@ -33,18 +55,7 @@ pub(super) fn reference(
         return Ok(Reference::new(a, b));
     }
     let rendered = render_frame(inputs.scene, &camera, &settings, frame, &|_| ());
-    let deviation = match rendered.noise {
-        Some(noise) => noise.deviation,
-        None => Film::new(width, height),
-    };
-    let half = |sign: f32| {
-        let mut half = rendered.film.clone();
-        for (pixel, deviation) in half.pixels_mut().iter_mut().zip(deviation.pixels()) {
-            *pixel += sign * *deviation;
-        }
-        half
-    };
-    let halves = [half(1.0), half(-1.0)];
+    let halves = rendered.halves();
     for (file, half) in files.iter().zip(&halves) {
         let kept = fs::create_dir_all(&folder)
             .and_then(|()| write_whole(file, &encode_exr(half, &fingerprint)?));

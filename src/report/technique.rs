@@ -35,7 +35,7 @@ pub fn techniques() -> Vec<Technique> {
         };
         points.iter().enumerate().map(technique).collect()
     };
-    let targets = [0.01, 0.003].map(|target| Technique {
+    let targets = [0.01, 0.003, 0.001].map(|target| Technique {
         curve: "montecarlo, to a target error",
         settings: Settings {
             mode: Some(Montecarlo),
@@ -191,7 +191,7 @@ mod tests {
             ),
             (
                 "montecarlo, to a target error",
-                "--mode montecarlo --samples 4 --splits 2 --target-error 0.003",
+                "--mode montecarlo --samples 4 --splits 2 --target-error 0.001",
             ),
         ] {
             assert_eq!(find(curve).map(|t| t.flags()).as_deref(), Some(flags));

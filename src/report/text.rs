@@ -48,7 +48,7 @@ pub(super) fn csv(report: &Report) -> String {
 /// All of it.
 pub(super) fn json(report: &Report) -> Result<Vec<u8>, ReportError> {
     let json = serde_json::to_vec_pretty(report);
-    json.map_err(|error| ReportError::Picture(io::Error::other(error)))
+    json.map_err(|error| ReportError::Encoding(io::Error::other(error)))
 }
 
 /// For people.

@@ -3,9 +3,6 @@ use crate::metrics::mean_around;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// More passes than this no point takes.
-const MOST_PASSES: u32 = 1 << 16;
-
 /// How many passes the points of a frame should take, in proportion to each other.
 ///
 /// The mean square error of a frame is least for its cost if samples are in proportion to the square root
@@ -44,11 +41,12 @@ impl Allocation {
     }
 
     /// The passes of each point by which the frame's square error comes down to `share`, of 0 to 1, of what
-    /// it is after `taken` passes, if it falls as 1 / n. No point takes fewer than it has taken.
-    pub(super) fn passes(&self, taken: &[u32], share: f64) -> Vec<u32> {
+    /// it is after `taken` passes, if it falls as 1 / n. No point takes fewer than it has taken, nor more than
+    /// `most`.
+    pub(super) fn passes(&self, taken: &[u32], share: f64, most: u32) -> Vec<u32> {
         let passes = |number: usize, scale: f64| {
             let wanted = (scale * f64::from(self.variances[number].sqrt())).round();
-            (wanted.min(f64::from(MOST_PASSES)) as u32).max(taken[number])
+            (wanted.min(f64::from(most)) as u32).max(taken[number])
         };
         let points = 0..taken.len();
         let error = |scale: f64| -> f64 {

@@ -77,7 +77,7 @@ pub fn render_frame(
         let width = grid.width as usize;
         let allocation = Allocation::new(&values, &deviations, width, settings.white);
         while let Some(share) = share_to_go(&developed.1.error, target) {
-            let wanted = allocation.passes(&estimates.passes, share);
+            let wanted = allocation.passes(&estimates.passes, share, sampler.most_passes());
             if wanted == estimates.passes {
                 break;
             }

@@ -69,6 +69,11 @@ impl<'a> Sampler<'a> {
         }
     }
 
+    /// How many passes a point can take: single precision tells 2^24 camera samples of a half apart.
+    pub(super) fn most_passes(&self) -> u32 {
+        (1 << 24) / self.samples
+    }
+
     /// The mean light of each half of each point, half by half, in the passes that `passes` gives: those
     /// before `.0` were taken before, those before `.1` are taken now.
     pub(super) fn means(

@@ -148,7 +148,7 @@ impl Progress<'_> {
 }
 
 /// Columns and rows of what takes so long that a window in the middle of the frame has to do.
-const TINY: (u32, u32) = (8, 6);
+const TINY: (u32, u32) = (4, 3);
 
 /// Measures everything, on the threads of the current pool, and writes `report.csv`, `report.json`,
 /// `report.md`, `curves` and `flicker` as SVG and PNG, and a strip for each curve.

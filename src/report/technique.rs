@@ -83,17 +83,12 @@ pub fn techniques() -> Vec<Technique> {
         curve(
             "montecarlo",
             Montecarlo,
-            &[(None, &[4]), (None, &[16]), (None, &[32]), (None, &[128])],
+            &[(None, &[4]), (None, &[16]), (None, &[64])],
         ),
         curve(
             "montecarlo, 4 camera samples",
             Montecarlo,
-            &[
-                (Some(4), &[1]),
-                (Some(4), &[4]),
-                (Some(4), &[16]),
-                (Some(4), &[64]),
-            ],
+            &[(Some(4), &[1]), (Some(4), &[4]), (Some(4), &[16])],
         ),
         curve(
             "montecarlo, one path each",
@@ -108,12 +103,12 @@ pub fn techniques() -> Vec<Technique> {
         curve(
             "montecarlo, splitting twice",
             Montecarlo,
-            &[(Some(4), &[4, 2]), (Some(4), &[16, 2])],
+            &[(Some(4), &[2, 2]), (Some(4), &[8, 2])],
         ),
         curve(
             "montecarlo-supersampling",
             MontecarloSupersampling,
-            &[(None, &[8]), (None, &[32]), (None, &[128])],
+            &[(None, &[8]), (None, &[32])],
         ),
     ]
     .concat();
@@ -187,7 +182,7 @@ mod tests {
             ("raytracing", "--mode raytracing"),
             (
                 "montecarlo, splitting twice",
-                "--mode montecarlo --samples 4 --splits 16,2",
+                "--mode montecarlo --samples 4 --splits 8,2",
             ),
             (
                 "montecarlo, to a target error",

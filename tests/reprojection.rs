@@ -54,11 +54,6 @@ fn a_lit_plane_leaves_nothing() {
     assert!(moved > 0.1 * contrast);
     assert!(residual < 1e-3 * contrast);
     assert!(reprojection.matched() > 0.85);
-    let resampled = reprojection.resample(from);
-    let residual = reprojection.residual([from, to]);
-    for (i, of) in reprojection.matches().iter().enumerate() {
-        assert_close(to.pixels()[of.pixel] - resampled[i], residual[i], 1e-6);
-    }
 }
 
 #[test]

@@ -97,7 +97,7 @@ pub(super) struct ReportArguments {
     /// Frames to measure, as in 0-99:50,120 [default: three, spread over the path]
     #[arg(short, long, value_name = "RANGES")]
     pub(super) frames: Option<FrameRanges>,
-    /// Columns and rows of the frames that are measured [default: 160 columns]
+    /// Columns and rows of the frames that are measured [default: 128 columns]
     #[arg(short, long, value_name = "WxH", value_parser = parse_size)]
     pub(super) size: Option<(u32, u32)>,
     /// How often each technique renders each frame

@@ -77,7 +77,13 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
             outcome.non_finite_samples
         )]);
     }
-    Manifest::of(&folder, count).write(&folder)?;
+    let listed = Manifest::of(&folder, count).write(&folder);
+    if let Err(error) = &listed {
+        warn(&[format!(
+            "{}: the frames' errors cannot be listed: {error}",
+            arguments.out.display()
+        )]);
+    }
     let rendered = missing.len() - outcome.failures.len();
     if !arguments.quiet {
         // Nobody has to read it: the exit status says what matters.
@@ -95,15 +101,15 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
         }
     }
     if let Some(target) = settings.target_error {
-        let above = |error: &ErrorEstimate| error.interval()[1] > target;
-        let count = outcome.errors.iter().filter(|(_, e)| above(e)).count();
+        let reaches = |error: &ErrorEstimate| error.interval()[1] <= target;
+        let count = outcome.errors.iter().filter(|(_, e)| !reaches(e)).count();
         if count > 0 {
             warn(&[format!(
                 "{count} frames stayed above the error of {target} with all the samples that a pixel can take"
             )]);
         }
     }
-    Ok(if outcome.failures.is_empty() {
+    Ok(if outcome.failures.is_empty() && listed.is_ok() {
         Status::Done
     } else {
         Status::SomeFailed

@@ -7,7 +7,7 @@ use crate::report::{Inputs, report};
 use std::io::Write;
 
 /// Columns of the frames that are measured, unless given.
-const COLUMNS: u32 = 160;
+const COLUMNS: u32 = 128;
 
 /// Frames that are measured, unless given: from the middles of so many parts of the path.
 const FRAMES: u32 = 3;

@@ -1,4 +1,4 @@
-use super::pixel::{channel_mean, middle, square};
+use super::pixel::{channel_mean, middle};
 use super::{DARK, Estimate, mean, student};
 use glam::{DVec3, Vec3};
 
@@ -33,9 +33,6 @@ pub struct BiasCheck {
     pub squared_bias: Estimate,
     /// mean(c) / mean(r) - 1: above 0 if the technique is too bright. NaN if the oracle is black.
     pub mean_bias: Estimate,
-    /// The mean of (c1 - A)(c1 - B) / (r^2 + 0.01), r being the oracle's mean: the noise of one picture and its
-    /// bias.
-    pub relative_square_error: Estimate,
     /// How many pixels there are.
     pub pixels: usize,
 }
@@ -57,13 +54,9 @@ impl BiasCheck {
         };
         let difference = over_pixels(&|pixel| middle(pixel.technique) - middle(pixel.oracle));
         let oracle = over_pixels(&|pixel| middle(pixel.oracle));
-        let error = over_pixels(&|pixel| {
-            square(pixel.technique[0], pixel.oracle) / beside(middle(pixel.oracle))
-        });
         BiasCheck {
             squared_bias: Estimate::of(&over_pixels(&|pixel| pixel.squared_bias(share))),
             mean_bias: Estimate::of(&difference) / mean(&oracle),
-            relative_square_error: Estimate::of(&error),
             pixels: pixels.len(),
         }
     }
@@ -142,6 +135,7 @@ fn oracle_share(pixels: &[Values]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::pixel::square;
     use super::super::synthetic::Noise;
     use super::*;
 
@@ -225,13 +219,6 @@ mod tests {
         let expected = 0.01 * (1.0 - 0.1 * libm::atan(10.0));
         let off = check.squared_bias.mean - expected;
         assert!(off.abs() < 4.0 * check.squared_bias.error, "{check:?}");
-        // And with noise: 0.05^2 times that of 1 / (x^2 + 0.01).
-        let expected = expected + 0.0025 * 10.0 * libm::atan(10.0);
-        let off = check.relative_square_error.mean - expected;
-        assert!(
-            off.abs() < 4.0 * check.relative_square_error.error,
-            "{check:?}"
-        );
     }
 
     #[test]

@@ -1,35 +1,23 @@
+use super::mean;
 use nv_flip::FlipImageRgb8;
 
-/// How different two pictures look when one is shown after the other in the same place.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Flip {
-    /// The mean over all pixels: the one number that the authors recommend.
-    pub mean: f64,
-    /// The difference at each pixel, row by row from the top left: 0 where nothing is seen, 1 for the most
-    /// that can be.
-    pub map: Vec<f32>,
-}
-
-impl Flip {
-    /// Of two displayed pictures of the same `size`, columns and rows, as
-    /// [`Film::to_srgb8`](crate::film::Film::to_srgb8) gives them.
-    ///
-    /// Seen at 67 pixels for each degree: a display 0.7 m wide, of 3840 columns, from 0.7 m. The method and
-    /// the code are NVIDIA's (Andersson et al. 2020, "FLIP: A Difference Evaluator for Alternating Images").
-    ///
-    /// # Panics
-    ///
-    /// If a picture has fewer pixels than its size says.
-    pub fn of([width, height]: [u32; 2], reference: &[u8], picture: &[u8]) -> Flip {
-        let image = |codes| FlipImageRgb8::with_data(width, height, codes);
-        let distance = nv_flip::DEFAULT_PIXELS_PER_DEGREE;
-        let map = nv_flip::flip(image(reference), image(picture), distance).to_vec();
-        let sum: f64 = map.iter().copied().map(f64::from).sum();
-        Flip {
-            mean: sum / map.len() as f64,
-            map,
-        }
-    }
+/// How different two pictures look when one is shown after the other in the same place: 0 if nothing is seen,
+/// 1 for the most that can be; the mean over all pixels, as the authors recommend.
+///
+/// The displayed pictures are of the same size, columns and rows, as [`Film::to_srgb8`](crate::film::Film::to_srgb8)
+/// gives them, and seen at 67 pixels for each degree: a display 0.7 m wide, of 3840 columns, from 0.7 m. The
+/// method and the code are NVIDIA's (Andersson et al. 2020, "FLIP: A Difference Evaluator for Alternating
+/// Images").
+///
+/// # Panics
+///
+/// If a picture has fewer pixels than its size says.
+pub fn flip([width, height]: [u32; 2], reference: &[u8], picture: &[u8]) -> f64 {
+    let image = |codes| FlipImageRgb8::with_data(width, height, codes);
+    let distance = nv_flip::DEFAULT_PIXELS_PER_DEGREE;
+    let map = nv_flip::flip(image(reference), image(picture), distance).to_vec();
+    let values: Vec<f64> = map.into_iter().map(f64::from).collect();
+    mean(&values)
 }
 
 #[cfg(test)]
@@ -50,19 +38,16 @@ mod tests {
 
     #[test]
     fn equal_pictures_do_not_differ() {
-        let flip = Flip::of(SIZE, &slope(0), &slope(0));
-        assert_eq!(flip.mean, 0.0);
-        assert_eq!(flip.map, vec![0.0; 1200]);
+        assert_eq!(flip(SIZE, &slope(0), &slope(0)), 0.0);
     }
 
     #[test]
-    fn grows_with_the_difference_where_it_is() {
+    fn grows_with_the_difference() {
         let mut last = 0.0;
         for more in [1, 4, 16, 64] {
-            let flip = Flip::of(SIZE, &slope(0), &slope(more));
-            assert!(flip.mean > last && flip.mean < 1.0, "{more}: {flip:?}");
-            assert!(flip.map[15 * 40 + 20] > flip.map[0]);
-            last = flip.mean;
+            let flip = flip(SIZE, &slope(0), &slope(more));
+            assert!(flip > last && flip < 1.0, "{more}: {flip}");
+            last = flip;
         }
     }
 
@@ -70,14 +55,13 @@ mod tests {
     #[test]
     fn the_largest_difference_is_one() {
         let even = |code: [u8; 3]| code.repeat(1200);
-        let flip = Flip::of(SIZE, &even([0, 255, 0]), &even([0, 0, 255]));
-        assert!((flip.mean - 1.0).abs() < 1e-3, "{}", flip.mean);
+        let flip = flip(SIZE, &even([0, 255, 0]), &even([0, 0, 255]));
+        assert!((flip - 1.0).abs() < 1e-3, "{flip}");
     }
 
     #[test]
     fn a_single_pixel_is_a_picture() {
-        let flip = Flip::of([1, 1], &[0, 0, 0], &[255, 255, 255]);
-        assert!(flip.map.len() == 1 && flip.mean > 0.5, "{flip:?}");
-        assert_eq!(flip.mean, f64::from(flip.map[0]));
+        let flip = flip([1, 1], &[0, 0, 0], &[255, 255, 255]);
+        assert!(flip > 0.5, "{flip}");
     }
 }

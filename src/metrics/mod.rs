@@ -8,7 +8,6 @@
 //! Knows nothing of files, threads or scenes.
 
 mod bias;
-mod blocks;
 mod difference;
 mod flip;
 mod heat;
@@ -21,7 +20,7 @@ mod synthetic;
 
 pub use bias::{BiasCheck, HeldOutPixel};
 pub use difference::{Difference, relative_errors};
-pub use flip::Flip;
+pub use flip::flip;
 pub use heat::{HEAT_RANGE, heat_map};
 pub use reference::Reference;
 pub use statistics::{Estimate, mean, percentile, standard_deviation, student};

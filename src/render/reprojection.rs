@@ -103,13 +103,6 @@ impl Reprojection {
         taps(of.place, self.width as usize, self.height as usize)
     }
 
-    /// Frame `from`, interpolated bilinearly, at the matches.
-    pub fn resample(&self, from: &Film) -> Vec<Vec3> {
-        self.assert_size(from);
-        let values = self.matches.iter().map(|of| self.interpolate(of, from));
-        values.map(|value| value.as_vec3()).collect()
-    }
-
     /// What frame `to` has more than `from` shows of the same points, at the matches.
     pub fn residual(&self, [from, to]: [&Film; 2]) -> Vec<Vec3> {
         self.assert_size(from);

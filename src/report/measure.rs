@@ -71,7 +71,7 @@ pub(super) fn measure(
             let taken = take(inputs, technique, &settings, *frame);
             let difference = Difference::of(&taken.film, reference, inputs.exposure());
             errors.push(difference.relative_square_error);
-            biases.push(difference.mean_bias.mean);
+            biases.push(difference.mean_bias);
             picture.get_or_insert_with(|| taken.film.clone());
             all.push((taken, difference));
             progress.step(

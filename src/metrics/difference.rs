@@ -22,7 +22,7 @@ pub struct Difference {
     /// mean(x) / mean(r) - 1 over all pixels and channels: above 0 if the picture is too bright. NaN if the
     /// reference is black.
     pub mean_bias: f64,
-    /// The mean FLIP of the displayed pictures of 8 bits, 0 to 1; see [`flip`].
+    /// The mean FLIP of the displayed pictures of 8 bits, 0 to 1; see [`flip()`].
     pub flip: f64,
 }
 

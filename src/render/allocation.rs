@@ -3,6 +3,10 @@ use crate::metrics::mean_around;
 use glam::Vec3;
 use rayon::prelude::*;
 
+/// No variance is believed to be less than this share of the mean: few samples may all have missed what makes a
+/// place noisy, and there the error would stay, however many samples the others took.
+const LEAST_VARIANCE: f32 = 0.1;
+
 /// How many passes the points of a frame should take, in proportion to each other.
 ///
 /// The mean square error of a frame is least for its cost if samples are in proportion to the square root
@@ -35,9 +39,12 @@ impl Allocation {
                 sum / count as f32
             }
         };
-        Allocation {
-            variances: (0..squares.len()).into_par_iter().map(around).collect(),
+        let mut variances: Vec<f32> = (0..squares.len()).into_par_iter().map(around).collect();
+        let mean = variances.iter().map(|v| f64::from(*v)).sum::<f64>() / variances.len() as f64;
+        for variance in &mut variances {
+            *variance = variance.max(LEAST_VARIANCE * mean as f32);
         }
+        Allocation { variances }
     }
 
     /// The passes of each point by which the frame's square error comes down to `share`, of 0 to 1, of what

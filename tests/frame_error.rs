@@ -118,7 +118,7 @@ fn frames_of_a_target_error_reach_it_without_bias() {
             let error = rendered.noise.as_ref().unwrap().error;
             assert!(error.interval()[1] <= 0.01, "{error:?}");
             // Not far more than is needed.
-            assert!(error.relative_square_error > 0.002, "{error:?}");
+            assert!(error.relative_square_error > 0.001, "{error:?}");
         }
         let few = frame(&plain, 0);
         assert!(few.noise.as_ref().unwrap().error.relative_square_error > 0.02);
@@ -135,11 +135,39 @@ fn frames_of_a_target_error_reach_it_without_bias() {
         let reference = runs(&ROOM.0, &ROOM.1, &reference, 1_000_000..1_000_032);
         let agreement = Agreement::of(&estimates(&aimed), &estimates(&reference), 31, 0.0);
         assert!(agreement.holds(), "{sampling:?}: {agreement:?}");
-        assert!(
-            (0.8..1.25).contains(&agreement.mean_square),
-            "{agreement:?}"
-        );
+        // 1.07 for 31 degrees of freedom; of 192 pixels that share corners, 0.15 is a standard deviation.
+        assert!((0.7..1.5).contains(&agreement.mean_square), "{agreement:?}");
     }
+}
+
+/// Few samples, of great noise, of which a brighter one must not keep others from being taken: the mean light of
+/// whole frames.
+#[test]
+fn added_samples_do_not_make_frames_brighter() {
+    // Made before threads that its own making needs could wait for it.
+    LazyLock::force(&ROOM);
+    let few = spread(monte_carlo(4, &[1]), [32, 24], 1);
+    let aimed = RenderSettings {
+        target_error: Some(0.05),
+        ..few.clone()
+    };
+    let many = RenderSettings {
+        sampling: PixelSampling::Spread(64),
+        ..few
+    };
+    let mean = |settings: &RenderSettings, seeds: std::ops::Range<u32>| {
+        let lights = seeds.into_par_iter().map(|seed| {
+            let film = frame(settings, seed).film;
+            let sum: f64 = channels(film.pixels()).iter().sum();
+            sum / film.pixels().len() as f64
+        });
+        Estimate::of(&lights.collect::<Vec<f64>>())
+    };
+    let (aimed, even) = (mean(&aimed, 0..400), mean(&many, 1_000_000..1_000_100));
+    let error = aimed.error.hypot(even.error);
+    assert!(error < 6e-4 * even.mean, "{aimed:?} {even:?}");
+    let off = (aimed.mean - even.mean) / error;
+    assert!(off.abs() < 3.3, "{off}: {aimed:?} {even:?}");
 }
 
 /// The halves that a picture is made of are the picture plus and minus its deviation: they do not depend on

@@ -142,8 +142,10 @@ pub(super) struct SettingsArguments {
     /// Exposure in stops: +1 doubles the light of PNG frames; EXR keeps it as it is [default: 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
-    /// Add samples to each frame of the montecarlo modes, where it needs them, until its error (relMSE)
-    /// is surely below this, as in 0.001 [default: the samples given]
+    /// Add samples to each frame of the montecarlo modes, where it needs them, until the frame's own
+    /// estimate of its error is below this with its whole interval. The error is relMSE, the mean
+    /// squared error relative to the light: noise is just seen at 0.01, and hardly at 0.001
+    /// [default: the samples given]
     #[arg(long, value_name = "X")]
     target_error: Option<f64>,
 }

@@ -10,6 +10,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     let input = load_scene(&arguments.scene, &mut files)?;
     let scene = &input.scene;
     let settings = path.settings.or(input.settings);
+    settings.check_together()?;
     let resolved = settings.resolve();
 
     let mut out = std::io::stdout().lock();

@@ -80,7 +80,7 @@ pub struct Settings {
     pub target_error: Option<f64>,
 }
 
-/// A frame of 16,384 x 16,384: more than 3 GB while it is rendered.
+/// A frame of 16,384 x 16,384: many gigabytes while it is rendered, about 20 in the montecarlo modes.
 const MOST_PIXELS: u32 = 1 << 28;
 
 /// A setting that cannot be rendered with.

@@ -132,7 +132,7 @@ impl FrameFolder {
         self.folder.join(format!("error_{frame:05}.exr"))
     }
 
-    /// What the file of a frame says of it; none if it is not there or says nothing.
+    /// What the file of a frame says of it; none if it is not there, says nothing or is another frame.
     pub fn record(&self, frame: u32) -> Option<FrameRecord> {
         let note = self
             .storage
@@ -140,7 +140,7 @@ impl FrameFolder {
             .note(&self.file_of(frame))
             .ok()
             .flatten()?;
-        FrameRecord::from_text(&note)
+        FrameRecord::from_text(&note).filter(|record| record.frame == frame)
     }
 
     fn holds_frames(&self) -> io::Result<bool> {
@@ -177,8 +177,9 @@ impl FrameSink for FrameFolder {
             write_whole(&file, bytes).map_err(|error| format!("{}: {error}", file.display()))
         };
         // The frame comes last: where it is, all of it is.
-        if let Some(map) = &encoded.error_map {
-            keep(self.map_of(frame), map)?;
+        match &encoded.error_map {
+            Some(map) => keep(self.map_of(frame), map)?,
+            None => remove(&self.map_of(frame))?,
         }
         keep(self.file_of(frame), &encoded.picture)?;
         Ok(())
@@ -190,6 +191,14 @@ fn magnitude(mut film: Film) -> Film {
         *pixel = pixel.abs();
     }
     film
+}
+
+/// Removes a file that would no longer be true, if it is there.
+pub(super) fn remove(file: &Path) -> io::Result<()> {
+    match fs::remove_file(file) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
 }
 
 /// Writes a file so that it is there whole or not at all, even if the machine stops in between.

@@ -1,4 +1,4 @@
-use super::folder::{FrameFolder, write_whole};
+use super::folder::{FrameFolder, remove, write_whole};
 use super::record::FrameRecord;
 use crate::chart::{Axis, Chart, Point, Series};
 use serde::Serialize;
@@ -20,7 +20,8 @@ impl Manifest {
         Manifest { frames }
     }
 
-    /// Writes `manifest.ron` and, if any frame has an error, `errors.csv` and a picture of it, `errors.svg`.
+    /// Writes `manifest.ron` and, if any frame has an error, `errors.csv` and a picture of it, `errors.svg`;
+    /// otherwise there are no such files.
     pub fn write(&self, folder: &FrameFolder) -> io::Result<()> {
         let pretty = ron::ser::PrettyConfig::new()
             .struct_names(true)
@@ -37,16 +38,18 @@ impl Manifest {
                 points.push(Point { x, y, low, high });
             }
         }
-        if !points.is_empty() {
-            write_whole(&folder.path().join("errors.csv"), table.as_bytes())?;
-            let picture = picture(points).to_svg().map_err(io::Error::other)?;
-            write_whole(&folder.path().join("errors.svg"), picture.as_bytes())?;
+        let [errors, picture] = ["errors.csv", "errors.svg"].map(|name| folder.path().join(name));
+        if points.is_empty() {
+            remove(&errors)?;
+            return remove(&picture);
         }
-        Ok(())
+        write_whole(&errors, table.as_bytes())?;
+        let drawn = drawing(points).to_svg().map_err(io::Error::other)?;
+        write_whole(&picture, drawn.as_bytes())
     }
 }
 
-fn picture(points: Vec<Point>) -> Chart {
+fn drawing(points: Vec<Point>) -> Chart {
     let axis = |label: &str| Axis {
         label: label.to_owned(),
         logarithmic: false,

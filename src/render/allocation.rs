@@ -1,5 +1,4 @@
-use super::noise::RelativeDeviations;
-use crate::metrics::mean_around;
+use crate::metrics::{mean_around, normaliser};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -26,18 +25,21 @@ impl Allocation {
         width: usize,
         white: f32,
     ) -> Allocation {
-        let relative = RelativeDeviations::new(values, deviations, width, white, false);
-        let squares = relative.squares();
+        let squares: Vec<Vec3> = deviations.iter().map(|d| d * d).collect();
         let around = |number: usize| {
             let rings = [1, 2].map(|reach| mean_around(&squares, width, number, reach));
             let rings = rings.into_iter().flatten();
-            let (sum, count) = rings.fold((0.0, 0), |(sum, count), ring| (sum + ring, count + 1));
+            let (sum, count) = rings.fold((Vec3::ZERO, 0), |(sum, n), ring| (sum + ring, n + 1));
             // A frame of one point knows nothing else.
-            if count == 0 {
+            let square = if count == 0 {
                 squares[number]
             } else {
                 sum / count as f32
-            }
+            };
+            // The light around the point, too, is the neighbours' alone: had theirs been used, it would hold
+            // the point's own value.
+            let relative = square / normaliser(values, width, number, 1, white);
+            relative.element_sum() / 3.0
         };
         let mut variances: Vec<f32> = (0..squares.len()).into_par_iter().map(around).collect();
         let mean = variances.iter().map(|v| f64::from(*v)).sum::<f64>() / variances.len() as f64;
@@ -62,6 +64,10 @@ impl Allocation {
             errors.sum()
         };
         let goal = share * error(0.0);
+        // Light beyond the squares of single precision: nothing can be planned.
+        if !goal.is_finite() {
+            return taken.to_vec();
+        }
         let deviations: f64 = self.variances.iter().map(|v| f64::from(v.sqrt())).sum();
         // Without rounding, and without those that have taken more already, this scale would do.
         let (mut low, mut high) = (0.0, 2.0 * deviations / goal.max(f64::MIN_POSITIVE));

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 /// How far a frame is from what it would be with endless samples, by the frame alone.
 ///
 /// The error is relMSE: the mean over pixels and channels of (x - r)^2 / (m^2 + (white / 10)^2), of this very
-/// frame x, where r is the frame without noise, and m the mean of the pixels around the pixel: see
-/// [`normaliser`].
+/// frame x, where r is the frame without noise, and m the mean of x around the pixel: see [`normaliser`]. What
+/// no sample has met is not known to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ErrorEstimate {
     /// An unbiased estimate of the frame's relMSE; at least 0.
@@ -81,14 +81,6 @@ impl RelativeDeviations {
             values: (0..pixels.len()).into_par_iter().map(relative).collect(),
             reach,
         }
-    }
-
-    /// The square of each, the mean of its channels.
-    pub(super) fn squares(&self) -> Vec<f32> {
-        self.values
-            .iter()
-            .map(|d| d.length_squared() / 3.0)
-            .collect()
     }
 }
 

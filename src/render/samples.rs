@@ -14,8 +14,8 @@ const BATCH: usize = 64;
 /// How the points of a frame take their samples.
 ///
 /// Where chance is at work, they are taken in two halves that have nothing in common, so that their
-/// difference tells how far off their mean is. Of an odd number of samples each half takes as many, with
-/// half as many paths from the first diffuse bounce; odd numbers of both are rounded up.
+/// difference tells how far off their mean is: half of the samples each or, of one sample, one with half of
+/// the paths from the first diffuse bounce. Odd numbers are rounded up.
 pub(super) struct Sampler<'a> {
     scene: &'a Scene,
     rays: CameraRays,
@@ -48,13 +48,9 @@ impl<'a> Sampler<'a> {
             && settings.has_noise()
         {
             halves = 2;
-            if samples % 2 == 0 {
-                samples /= 2;
-            } else {
-                match splits.first_mut() {
-                    Some(first) => *first = first.div_ceil(2),
-                    None => splits.push(1),
-                }
+            match splits.first_mut() {
+                Some(first) if samples == 1 => *first = first.div_ceil(2),
+                _ => samples = samples.div_ceil(2),
             }
         }
         Sampler {

@@ -19,8 +19,8 @@ pub struct RenderSettings {
     /// The light that is displayed as white, above 0: errors count in proportion to the light, and where
     /// that is less than a tenth of white, to the tenth.
     pub white: f32,
-    /// Samples are added to a frame, where it needs them, until its relMSE is below this; above 0. Frames
-    /// without chance take no notice.
+    /// Samples are added to a frame, where it needs them, until the upper end of its error's interval, by its
+    /// own estimate, is below this; above 0. Frames without chance take no notice.
     pub target_error: Option<f64>,
 }
 

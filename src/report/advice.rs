@@ -31,9 +31,13 @@ pub(super) fn advice(
         let ends_curve = usual.get(last + 1).is_none_or(|next| next.curve != b.curve);
         let slope =
             (b.relative_square_error / a.relative_square_error).ln() / (b.seconds / a.seconds).ln();
-        // What falls no more never gets there.
-        let falls =
-            a.curve == b.curve && ends_curve && slope < -0.5 && b.relative_square_error > 0.0;
+        // What falls no more never gets there, and what adds samples itself is told its own target.
+        let aims = b.flags.contains("--target-error");
+        let falls = !aims
+            && a.curve == b.curve
+            && ends_curve
+            && slope < -0.5
+            && b.relative_square_error > 0.0;
         let factor = (target / b.relative_square_error).powf(1.0 / slope);
         falls.then(|| (b, seconds(b, b.seconds * factor)))
     });

@@ -47,6 +47,8 @@ pub(super) fn flicker(inputs: &Inputs, progress: &mut Progress) -> Vec<FlickerRo
                 samples: Some(samples),
                 splits: Some(vec![1]),
                 seed: Some(seed),
+                // The numbers of both kinds are given with the frames.
+                lock_seed: Some(false),
                 target_error: None,
                 ..inputs.given.clone()
             };
@@ -94,6 +96,7 @@ pub(super) fn advice(rows: &[FlickerRow]) -> Option<String> {
         0 => return None,
         1 => "",
         count if less.interval(count as u32 - 1)[0] > 0.0 => ": `--lock-seed` flickers less",
+        count if less.interval(count as u32 - 1)[1] < 0.0 => ": `--lock-seed` flickers more",
         _ => ": no difference that is sure",
     };
     let [new, locked] = [&new, &locked].map(|rows| 100.0 * typical(rows));

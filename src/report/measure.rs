@@ -37,7 +37,7 @@ pub struct Measurement {
     pub p95_relative_error: f64,
     /// How much too bright the frames are, as a share of their light.
     pub mean_bias: f64,
-    /// What holds that 95 times of 100, by the seeds.
+    /// What holds the mean of endless seeds 95 times of 100. The reference's own bias, of chance, is not in it.
     pub mean_bias_interval: [f64; 2],
     /// FLIP of the displayed pictures.
     pub flip: f64,

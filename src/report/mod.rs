@@ -42,7 +42,7 @@ pub struct Inputs<'a> {
     pub given: Settings,
     /// A hash of the input files.
     pub fingerprint: String,
-    /// The frames that are rendered.
+    /// The frames that are rendered; at least one.
     pub frames: Vec<u32>,
     /// Their columns and rows.
     pub size: (u32, u32),
@@ -218,11 +218,11 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         write(&format!("{name}.svg"), chart.to_svg()?.as_bytes())?;
         write(&format!("{name}.png"), &chart.to_png()?)
     };
-    chart("curves", pictures::curves(inputs, &report.measurements))?;
-    chart("flicker", pictures::flicker_curve(inputs, &report.flicker))?;
     write("report.csv", text::csv(&report).as_bytes())?;
     write("report.json", &text::json(&report)?)?;
     write("report.md", text::markdown(&report).as_bytes())?;
+    chart("curves", pictures::curves(inputs, &report.measurements))?;
+    chart("flicker", pictures::flicker_curve(inputs, &report.flicker))?;
     Ok(report)
 }
 

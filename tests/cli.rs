@@ -322,7 +322,7 @@ fn frames_that_cannot_be_written_are_named_and_the_others_go_on() {
 /// Every kind of wrong command: exit status 2, and what the message must say.
 #[test]
 fn wrong_commands_are_refused() {
-    let cases: [(&[&str], &str); 11] = [
+    let cases: [(&[&str], &str); 12] = [
         (&["--frames", "0-9999"], "the path has 0-48"),
         (&["--frames", "5-1"], "0-99:2"),
         (&["--size", "0x9"], "--size: 0 is not between 1 and"),
@@ -332,6 +332,7 @@ fn wrong_commands_are_refused() {
         (&["--splits", "3,0"], "--splits: 0"),
         (&["--bounces", "99"], "--bounces: 99"),
         (&["--threads", "0"], "--threads"),
+        (&["--aov", "error"], "nothing is left to chance"),
         (&["--target-error", "2"], "--target-error: 2 is not between"),
         (
             &["--mode", "supersampling", "--target-error", "0.1"],

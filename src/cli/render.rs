@@ -18,6 +18,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     given.check_together()?;
     let settings = given.resolve();
     let exposure = given.exposure.unwrap_or(0.0);
+    if arguments.aov.is_some() && !settings.has_noise() {
+        return Err("--aov error: nothing is left to chance here; choose a montecarlo mode".into());
+    }
 
     let timeline = path.path.timeline();
     let count = timeline.frame_count();
@@ -44,7 +47,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     let storage = FrameStorage {
         format,
         exposure,
-        error_maps: arguments.aov.is_some() && settings.has_noise(),
+        error_maps: arguments.aov.is_some(),
     };
     let folder = FrameFolder::open(&arguments.out, storage, &info, arguments.force)?;
     let missing: Vec<u32> = frames

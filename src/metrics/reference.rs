@@ -26,11 +26,6 @@ impl Reference {
         Reference { a, b, mean }
     }
 
-    /// The halves.
-    pub fn halves(&self) -> [&Film; 2] {
-        [&self.a, &self.b]
-    }
-
     /// The mean of the halves: the best picture there is.
     pub fn mean(&self) -> &Film {
         &self.mean

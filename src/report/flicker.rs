@@ -56,10 +56,11 @@ pub(super) fn flicker(inputs: &Inputs, progress: &mut Progress) -> Vec<FlickerRo
         };
         let references = pair.halves(&settings(2 * REFERENCE_PATHS, SEED), [frame, frame + 1]);
         for (seeds, numbers) in SEEDS.into_iter().zip([[frame, frame + 1], [0, 0]]) {
-            let [a, b] = pair.halves(&settings(PATHS, 0), numbers);
+            let of_picture = settings(PATHS, 0);
+            let [a, b] = pair.halves(&of_picture, numbers);
             let picture = [0, 1].map(|i| a[i].mixed(0.5, &b[i], 0.5));
             let [a, b] = &references;
-            let white = settings(PATHS, 0).white;
+            let white = of_picture.white;
             let flicker =
                 pair.reprojection
                     .flicker(picture.each_ref(), a.each_ref(), b.each_ref(), white);

@@ -27,6 +27,15 @@ pub(super) enum Command {
     Selftest,
 }
 
+/// What every command that loads something loads.
+#[derive(Debug, Args)]
+pub(super) struct InputArguments {
+    /// The scene file (RON)
+    pub(super) scene: PathBuf,
+    /// The camera path file (RON)
+    pub(super) path: PathBuf,
+}
+
 /// Render the frames of a camera path
 ///
 /// Settings may also stand in the scene or the path file; the path's win over the scene's, and a
@@ -38,10 +47,8 @@ pub(super) enum Command {
 /// Exit status: 0 all frames are there, 2 wrong input or usage, 3 some frames failed.
 #[derive(Debug, Args)]
 pub(super) struct RenderArguments {
-    /// The scene file (RON)
-    pub(super) scene: PathBuf,
-    /// The camera path file (RON)
-    pub(super) path: PathBuf,
+    #[command(flatten)]
+    pub(super) input: InputArguments,
     /// Folder for the frames: frame_00000.png onward
     #[arg(short, long, value_name = "DIR")]
     pub(super) out: PathBuf,
@@ -71,10 +78,8 @@ pub(super) struct RenderArguments {
 /// Load a scene and a camera path, say what is there and what is odd, render nothing
 #[derive(Debug, Args)]
 pub(super) struct CheckArguments {
-    /// The scene file (RON)
-    pub(super) scene: PathBuf,
-    /// The camera path file (RON)
-    pub(super) path: PathBuf,
+    #[command(flatten)]
+    pub(super) input: InputArguments,
 }
 
 /// Measure what every technique costs on a scene and a path, and how far off it is
@@ -87,10 +92,8 @@ pub(super) struct CheckArguments {
 /// Exit status: 0 the report is there, 2 wrong input or usage.
 #[derive(Debug, Args)]
 pub(super) struct ReportArguments {
-    /// The scene file (RON)
-    pub(super) scene: PathBuf,
-    /// The camera path file (RON)
-    pub(super) path: PathBuf,
+    #[command(flatten)]
+    pub(super) input: InputArguments,
     /// Folder for the report
     #[arg(short, long, value_name = "DIR")]
     pub(super) out: PathBuf,

@@ -6,15 +6,15 @@ use std::io::Write;
 
 pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     let mut files = InputFiles::default();
-    let path = load_camera_path(&arguments.path, &mut files)?;
-    let input = load_scene(&arguments.scene, &mut files)?;
+    let path = load_camera_path(&arguments.input.path, &mut files)?;
+    let input = load_scene(&arguments.input.scene, &mut files)?;
     let scene = &input.scene;
     let settings = path.settings.or(input.settings);
     settings.check_together()?;
     let resolved = settings.resolve();
 
     let mut out = std::io::stdout().lock();
-    writeln!(out, "scene      {}", arguments.scene.display())?;
+    writeln!(out, "scene      {}", arguments.input.scene.display())?;
     writeln!(out, "objects    {}", input.object_count)?;
     writeln!(out, "triangles  {}", scene.triangle_count())?;
     writeln!(out, "spheres    {}", scene.sphere_count())?;
@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     )?;
     let timeline = path.path.timeline();
     let frames = timeline.frame_count();
-    writeln!(out, "path       {}", arguments.path.display())?;
+    writeln!(out, "path       {}", arguments.input.path.display())?;
     writeln!(out, "frames     {frames} at {} per second", timeline.fps)?;
     writeln!(out, "duration   {} s", timeline.end - timeline.start)?;
     let (first, last) = (path.path.camera(0), path.path.camera(frames - 1));

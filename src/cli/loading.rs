@@ -1,7 +1,7 @@
+use super::args::InputArguments;
 use super::{Failure, warn};
 use crate::input::{CameraPathInput, InputFiles, SceneInput, load_camera_path, load_scene};
 use std::num::NonZeroUsize;
-use std::path::Path;
 
 /// A scene, a path and the threads to render them on.
 pub(super) struct Loaded {
@@ -14,12 +14,11 @@ pub(super) struct Loaded {
 
 /// Loads what a command names, and says what is odd about it. Threads are all cores unless given.
 pub(super) fn load(
-    scene: &Path,
-    path: &Path,
+    input: &InputArguments,
     threads: Option<NonZeroUsize>,
 ) -> Result<Loaded, Failure> {
     let mut files = InputFiles::default();
-    let path = load_camera_path(path, &mut files)?;
+    let path = load_camera_path(&input.path, &mut files)?;
     let threads = match threads {
         Some(threads) => threads.get(),
         None => std::thread::available_parallelism()?.get(),
@@ -27,7 +26,7 @@ pub(super) fn load(
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()?;
-    let scene = pool.install(|| load_scene(scene, &mut files))?;
+    let scene = pool.install(|| load_scene(&input.scene, &mut files))?;
     warn(&scene.warnings);
     Ok(Loaded {
         scene,

@@ -12,7 +12,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     flags
         .check()
         .map_err(|error| format!("--{}: {}", error.key.replace('_', "-"), error.message))?;
-    let loaded = load(&arguments.scene, &arguments.path, arguments.threads)?;
+    let loaded = load(&arguments.input, arguments.threads)?;
     let (scene, path) = (loaded.scene, loaded.path);
     let given = flags.or(path.settings).or(scene.settings);
     given.check_together()?;

@@ -13,7 +13,7 @@ const COLUMNS: u32 = 128;
 const FRAMES: u32 = 3;
 
 pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
-    let loaded = load(&arguments.scene, &arguments.path, arguments.threads)?;
+    let loaded = load(&arguments.input, arguments.threads)?;
     let given = loaded.path.settings.or(loaded.scene.settings);
     let settings = given.resolve();
     let size = arguments.size.unwrap_or_else(|| {
@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
             (0..parts).map(|part| middle(part) as u32).collect()
         }
     };
-    let stem = arguments.path.file_stem().unwrap_or_default();
+    let stem = arguments.input.path.file_stem().unwrap_or_default();
     let inputs = Inputs {
         scene: &loaded.scene.scene,
         path: &loaded.path.path,

@@ -21,6 +21,20 @@ impl Film {
         }
     }
 
+    /// A frame of pixels, row by row from the top left.
+    ///
+    /// # Panics
+    ///
+    /// If there are more or fewer than its size says.
+    pub fn from_pixels(width: u32, height: u32, pixels: Vec<Vec3>) -> Film {
+        assert_eq!(pixels.len(), width as usize * height as usize);
+        Film {
+            width,
+            height,
+            pixels,
+        }
+    }
+
     /// Columns.
     pub fn width(&self) -> u32 {
         self.width
@@ -47,13 +61,22 @@ impl Film {
     ///
     /// If their sizes differ.
     pub fn mixed(&self, share: f32, other: &Film, other_share: f32) -> Film {
-        let sizes = [self, other].map(|film| (film.width, film.height));
-        assert_eq!(sizes[0], sizes[1], "pictures of different sizes");
+        self.assert_same_size(other);
         let pixels = self.pixels.iter().zip(&other.pixels);
         Film {
             pixels: pixels.map(|(a, b)| share * a + other_share * b).collect(),
             ..*self
         }
+    }
+
+    /// Pictures are compared pixel by pixel.
+    ///
+    /// # Panics
+    ///
+    /// If their sizes differ.
+    pub fn assert_same_size(&self, other: &Film) {
+        let sizes = [self, other].map(|film| (film.width, film.height));
+        assert_eq!(sizes[0], sizes[1], "pictures of different sizes");
     }
 
     /// Multiplies all light by 2^`ev`.

@@ -182,7 +182,10 @@ fn a_report_has_everything_and_keeps_its_references() {
     assert!(few[0] > 10.0 * many[0], "{few:?} {many:?}");
     assert!((few[0] / few[1] - 1.0).abs() < 0.3, "{few:?}");
     for reference in report["references"].as_array().unwrap() {
-        assert!(reference[2].as_f64().unwrap() < 0.001, "{reference}");
+        // The window's is better than the frames'.
+        let most = if reference["size"][0] == 16 { 1e-3 } else { 1e-5 };
+        let own = &reference["relative_square_error"];
+        assert!(own.as_f64().unwrap() < most, "{reference}");
     }
     // Made once: a second run finds them as they are, and an older scene's are made anew.
     let references = || -> Vec<Vec<u8>> {

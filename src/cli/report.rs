@@ -12,6 +12,12 @@ const COLUMNS: u32 = 128;
 /// Frames that are measured, unless given: from the middles of so many parts of the path.
 const FRAMES: u32 = 3;
 
+/// A hash of this program: what another build of it has made is not taken for what this one makes.
+fn program() -> std::io::Result<blake3::Hash> {
+    let program = std::fs::read(std::env::current_exe()?)?;
+    Ok(blake3::hash(&program))
+}
+
 pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
     let loaded = load(&arguments.input, arguments.threads)?;
     let given = loaded.path.settings.or(loaded.scene.settings);
@@ -45,7 +51,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
         scene: &loaded.scene.scene,
         path: &loaded.path.path,
         given,
-        fingerprint: format!("{} {}", loaded.fingerprint, env!("CARGO_PKG_VERSION")),
+        fingerprint: format!("{} {}", loaded.fingerprint, program()?),
         frames,
         size,
         seeds: arguments.seeds,

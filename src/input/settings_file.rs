@@ -83,6 +83,9 @@ pub struct Settings {
 /// A frame of 16,384 x 16,384: many gigabytes while it is rendered, about 20 in the montecarlo modes.
 const MOST_PIXELS: u32 = 1 << 28;
 
+/// The least relMSE that can be asked for.
+pub const LEAST_TARGET_ERROR: f64 = 1e-6;
+
 /// A setting that cannot be rendered with.
 #[derive(Debug, Error, PartialEq)]
 #[error("{key}: {message}")]
@@ -146,9 +149,9 @@ impl Settings {
             });
         }
         if let Some(target) = self.target_error
-            && !(1e-6..=1.0).contains(&target)
+            && !(LEAST_TARGET_ERROR..=1.0).contains(&target)
         {
-            let message = format!("{target} is not between 0.000001 and 1");
+            let message = format!("{target} is not between {LEAST_TARGET_ERROR} and 1");
             return Err(SettingsError {
                 key: "target_error",
                 message,

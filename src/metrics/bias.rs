@@ -45,7 +45,6 @@ impl BiasCheck {
             .iter()
             .map(|pixel| Values::of(pixel, scale))
             .collect();
-        let share = oracle_share(&pixels);
         let over_pixels = |value: &dyn Fn(&Values) -> DVec3| -> Vec<f64> {
             pixels
                 .iter()
@@ -55,7 +54,7 @@ impl BiasCheck {
         let difference = over_pixels(&|pixel| middle(pixel.technique) - middle(pixel.oracle));
         let oracle = over_pixels(&|pixel| middle(pixel.oracle));
         BiasCheck {
-            squared_bias: Estimate::of(&over_pixels(&|pixel| pixel.squared_bias(share))),
+            squared_bias: Estimate::of(&over_pixels(&Values::squared_bias)),
             mean_bias: Estimate::of(&difference) / mean(&oracle),
             pixels: pixels.len(),
         }
@@ -100,37 +99,21 @@ impl Values {
         }
     }
 
-    /// (c1 - A)(c2 - B) divided by r^2 + 0.01, r being c1 and A mixed, or c2 and B, the mean of both.
+    /// (c1 - A)(c2 - B) divided by r^2 + 0.01, r being half way from c1 to A, or from c2 to B: the mean of
+    /// both.
     ///
     /// Were r the mean of A and B, the divisor would depend on both factors, and their noise would pass for a
     /// bias. So it knows nothing of one of them, whose mean is 0 without a bias, however noisy all are.
-    fn squared_bias(&self, oracle_share: f64) -> DVec3 {
+    fn squared_bias(&self) -> DVec3 {
         let [(c1, a), (c2, b)] = [0, 1].map(|i| (self.technique[i], self.oracle[i]));
-        let inverse = |c: DVec3, r: DVec3| beside(c.lerp(r, oracle_share)).recip();
+        let inverse = |c: DVec3, r: DVec3| divisor(middle([c, r])).recip();
         (c1 - a) * (c2 - b) * middle([inverse(c1, a), inverse(c2, b)])
     }
 }
 
 /// What squared errors of a pixel of light r are divided by: held-out pixels know none around them.
-fn beside(r: DVec3) -> DVec3 {
+fn divisor(r: DVec3) -> DVec3 {
     r * r + f64::from(DARK).powi(2)
-}
-
-/// How much of the oracle there is to be in the mix that errors are divided by: as much as the technique
-/// has of the noise, so that the noise of the mix has nothing to do with that of the difference.
-fn oracle_share(pixels: &[Values]) -> f64 {
-    let noise = |values: fn(&Values) -> [DVec3; 2]| -> f64 {
-        let square = |pixel: &Values| {
-            let [first, second] = values(pixel);
-            let r = middle([middle(pixel.technique), middle(pixel.oracle)]);
-            let difference = first - second;
-            channel_mean(difference * difference / beside(r))
-        };
-        pixels.iter().map(square).sum()
-    };
-    let [technique, oracle] = [noise(|pixel| pixel.technique), noise(|pixel| pixel.oracle)];
-    let both = technique + oracle;
-    if both > 0.0 { technique / both } else { 1.0 }
 }
 
 #[cfg(test)]
@@ -186,7 +169,7 @@ mod tests {
         let products = pixels.iter().map(|pixel| {
             let values = Values::of(pixel, 1.0);
             let error = square(values.technique[0], values.oracle);
-            channel_mean(error / beside(middle(values.oracle)))
+            channel_mean(error / divisor(middle(values.oracle)))
         });
         let divided_by_mean = Estimate::of(&products.collect::<Vec<f64>>());
         assert!(divided_by_mean.mean < -20.0 * divided_by_mean.error);

@@ -1,6 +1,7 @@
 use super::pixel::{channel_mean, square};
-use super::reference::{ReferencePixel, assert_same_size, exposed};
-use super::{Reference, flip, mean, percentile};
+use super::reference::{ReferencePixel, exposed};
+use super::statistics::percentile;
+use super::{Reference, flip, mean};
 use crate::film::Film;
 use glam::DVec3;
 
@@ -35,7 +36,7 @@ impl Difference {
     ///
     /// If their sizes differ.
     pub fn of(picture: &Film, reference: &Reference, exposure: f32) -> Difference {
-        assert_same_size(picture, reference.mean());
+        picture.assert_same_size(reference.mean());
         let picture = exposed(picture, exposure);
         let expected = exposed(reference.mean(), exposure);
         let reference = reference.exposed(exposure);
@@ -65,7 +66,7 @@ impl Difference {
 ///
 /// If their sizes differ.
 pub fn relative_errors(picture: &Film, reference: &Reference, exposure: f32) -> Vec<f32> {
-    assert_same_size(picture, reference.mean());
+    picture.assert_same_size(reference.mean());
     let picture = exposed(picture, exposure);
     let reference = reference.exposed(exposure);
     let error = |(x, r): (DVec3, &ReferencePixel)| (r.relative(x).length_squared() / 3.0).sqrt();

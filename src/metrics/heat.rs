@@ -1,9 +1,9 @@
 /// The least and the most relative error with a colour of its own: 1 % and 100 %.
-pub const HEAT_RANGE: [f32; 2] = [0.01, 1.0];
+const HEAT_RANGE: [f32; 2] = [0.01, 1.0];
 
 /// Paints errors, one for each pixel: R, G, B by pixel, in 8-bit sRGB.
 ///
-/// The scale is logarithmic over [`HEAT_RANGE`], the same for every picture so that two may be compared:
+/// The scale is logarithmic over 1 % to 100 %, the same for every picture so that two may be compared:
 /// black is 1 % or less, red-violet 10 %, pale yellow 100 % or more, and so is what is no number. The colours
 /// are "magma" of matplotlib (van der Walt and Smith 2015), whose steps look alike and whose lightness alone
 /// tells the order.

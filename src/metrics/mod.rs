@@ -16,12 +16,12 @@ mod reference;
 mod statistics;
 mod surroundings;
 #[cfg(test)]
-mod synthetic;
+pub(crate) mod synthetic;
 
 pub use bias::{BiasCheck, HeldOutPixel};
 pub use difference::{Difference, relative_errors};
 pub use flip::flip;
-pub use heat::{HEAT_RANGE, heat_map};
+pub use heat::heat_map;
 pub use reference::Reference;
-pub use statistics::{Estimate, mean, percentile, standard_deviation, student};
+pub use statistics::{Estimate, falls_to, mean, student};
 pub use surroundings::{DARK, mean_around, normaliser};

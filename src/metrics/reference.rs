@@ -42,6 +42,21 @@ impl Reference {
         mean(&squares)
     }
 
+    /// How far chance may have moved the mean light, as a share of it: the standard deviation.
+    pub fn error_of_mean(&self) -> f64 {
+        let halves = self.a.pixels().iter().zip(self.b.pixels());
+        let squares = halves.map(|(a, b)| {
+            let half = 0.5 * (a.as_dvec3() - b.as_dvec3());
+            channel_mean(half).powi(2)
+        });
+        let light = self
+            .mean
+            .pixels()
+            .iter()
+            .map(|r| channel_mean(r.as_dvec3()));
+        squares.sum::<f64>().sqrt() / light.sum::<f64>()
+    }
+
     /// The pixels in units of display white.
     pub(super) fn exposed(&self, exposure: f32) -> Vec<ReferencePixel> {
         let [a, b, mean] = [&self.a, &self.b, &self.mean].map(|film| exposed(film, exposure));
@@ -81,12 +96,6 @@ pub(super) fn exposed(film: &Film, exposure: f32) -> Film {
     film
 }
 
-/// Pictures are compared pixel by pixel.
-pub(super) fn assert_same_size(a: &Film, b: &Film) {
-    let [a, b] = [a, b].map(|film| [film.width(), film.height()]);
-    assert_eq!(a, b, "pictures of different sizes");
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::synthetic::Noise;
@@ -103,6 +112,9 @@ mod tests {
             // The mean of two has half the variance.
             let expected = (0.1 * scale).powi(2) / 2.0 / ((0.5 * scale).powi(2) + 0.01);
             let own = reference.relative_square_error(exposure as f32);
+            // Of 3072 pixels, each the mean of two halves and of three channels.
+            let error = 0.1 / 0.5 / (2.0_f64 * 3.0 * 3072.0).sqrt();
+            assert!((reference.error_of_mean() / error - 1.0).abs() < 0.06);
             // Of 9216 channels; the noise of the mean of eight adds up to 3 / 8 of the square.
             let tolerance = 4.0 * expected * (2.0_f64 / 9216.0).sqrt() + 0.4 * expected * expected;
             assert!((own - expected).abs() < tolerance, "{own} {expected}");

@@ -1,8 +1,9 @@
+use serde::Serialize;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, SQRT_2};
 use std::ops::Div;
 
 /// A mean and its standard error.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
     /// What is most likely.
     pub mean: f64,
@@ -58,7 +59,7 @@ pub fn mean(values: &[f64]) -> f64 {
 
 /// The standard deviation of what values are a sample of (their squared differences from the mean, summed
 /// and divided by one less than their number); NaN of fewer than two.
-pub fn standard_deviation(values: &[f64]) -> f64 {
+fn standard_deviation(values: &[f64]) -> f64 {
     let mean = mean(values);
     let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
     (squares / (values.len() as f64 - 1.0)).sqrt()
@@ -66,7 +67,7 @@ pub fn standard_deviation(values: &[f64]) -> f64 {
 
 /// The smallest of the values that at least `fraction` of them, 0 to 1, do not exceed ("nearest rank"); NaN
 /// of none. Counts NaN as the largest; changes the order.
-pub fn percentile(values: &mut [f64], fraction: f64) -> f64 {
+pub(super) fn percentile(values: &mut [f64], fraction: f64) -> f64 {
     if values.is_empty() {
         return f64::NAN;
     }
@@ -93,13 +94,13 @@ pub fn student(degrees: u32, p: f64) -> f64 {
 }
 
 fn by_sums(degrees: u32, p: f64) -> f64 {
-    let angle = last_above(p, FRAC_PI_2, |angle| exceeds(degrees, angle));
+    let angle = falls_to(p, FRAC_PI_2, DOUBLE, |angle| exceeds(degrees, angle));
     libm::tan(angle) * f64::from(degrees).sqrt()
 }
 
 fn by_expansion(degrees: u32, p: f64) -> f64 {
     // No double is as unlikely as 40 standard deviations.
-    let x = last_above(p, 40.0, |x| libm::erfc(x / SQRT_2));
+    let x = falls_to(p, 40.0, DOUBLE, |x| libm::erfc(x / SQRT_2));
     let first = (x.powi(3) + x) / 4.0;
     let second = (5.0 * x.powi(5) + 16.0 * x.powi(3) + 3.0 * x) / 96.0;
     let nu = f64::from(degrees);
@@ -124,10 +125,14 @@ fn exceeds(degrees: u32, angle: f64) -> f64 {
     1.0 - within
 }
 
-/// Where from 0 to `high` a falling function still is above `value`, to the last bit that counts.
-fn last_above(value: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
+/// Halvings after which nothing more changes in double precision.
+const DOUBLE: u32 = 60;
+
+/// Where from 0 to `high` a function that falls has come down to `value`: after so many halvings of the range
+/// the least place that is known. `high` is taken for such a place.
+pub fn falls_to(value: f64, mut high: f64, halvings: u32, function: impl Fn(f64) -> f64) -> f64 {
     let mut low = 0.0;
-    for _ in 0..60 {
+    for _ in 0..halvings {
         let middle = 0.5 * (low + high);
         *(if function(middle) > value {
             &mut low
@@ -135,7 +140,7 @@ fn last_above(value: f64, mut high: f64, function: impl Fn(f64) -> f64) -> f64 {
             &mut high
         }) = middle;
     }
-    low
+    high
 }
 
 #[cfg(test)]

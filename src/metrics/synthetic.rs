@@ -8,21 +8,21 @@ use std::f64::consts::TAU;
 
 /// Normal numbers, the same in every run.
 #[derive(Debug)]
-pub(super) struct Noise(Random);
+pub(crate) struct Noise(Random);
 
 impl Noise {
-    pub(super) fn new(seed: u64) -> Noise {
+    pub(crate) fn new(seed: u64) -> Noise {
         Noise(Random::new(seed))
     }
 
     /// A number of mean 0 and variance 1 (Box and Muller 1958).
-    pub(super) fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         let [u, v] = [0; 2].map(|_| f64::from(self.0.unit()));
         (-2.0 * libm::log(1.0 - u)).sqrt() * libm::cos(TAU * v)
     }
 
     /// Light of which each channel is off by `sigma`.
-    pub(super) fn light(&mut self, truth: Vec3, sigma: f64) -> Vec3 {
+    pub(crate) fn light(&mut self, truth: Vec3, sigma: f64) -> Vec3 {
         let mut channel = || (sigma * self.normal()) as f32;
         truth + Vec3::new(channel(), channel(), channel())
     }

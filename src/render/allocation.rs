@@ -1,4 +1,4 @@
-use crate::metrics::{mean_around, normaliser};
+use crate::metrics::{falls_to, mean_around, normaliser};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -70,15 +70,8 @@ impl Allocation {
         }
         let deviations: f64 = self.variances.iter().map(|v| f64::from(v.sqrt())).sum();
         // Without rounding, and without those that have taken more already, this scale would do.
-        let (mut low, mut high) = (0.0, 2.0 * deviations / goal.max(f64::MIN_POSITIVE));
-        for _ in 0..32 {
-            let middle = 0.5 * (low + high);
-            *(if error(middle) > goal {
-                &mut low
-            } else {
-                &mut high
-            }) = middle;
-        }
-        points.clone().map(|number| passes(number, high)).collect()
+        let enough = 2.0 * deviations / goal.max(f64::MIN_POSITIVE);
+        let scale = falls_to(goal, enough, 32, error);
+        points.clone().map(|number| passes(number, scale)).collect()
     }
 }

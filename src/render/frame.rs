@@ -128,11 +128,11 @@ fn develop_halves(settings: &RenderSettings, estimates: &Estimates) -> (Film, No
 
 /// The pixels, of what is known of the points.
 fn develop(settings: &RenderSettings, points: Vec<Vec3>) -> Film {
-    let mut film = Film::new(settings.width, settings.height);
-    if settings.sampling == PixelSampling::Corners {
-        average_corners(&points, settings.width, film.pixels_mut());
-    } else {
-        film.pixels_mut().copy_from_slice(&points);
+    let (width, height) = (settings.width, settings.height);
+    if settings.sampling != PixelSampling::Corners {
+        return Film::from_pixels(width, height, points);
     }
+    let mut film = Film::new(width, height);
+    average_corners(&points, width, film.pixels_mut());
     film
 }

@@ -19,6 +19,6 @@ pub use flicker::Flicker;
 pub use frame::{Noise, RenderedFrame, render_frame, tile_count};
 pub use noise::ErrorEstimate;
 pub use pixels::render_pixels;
-pub use reprojection::{Match, Reprojection};
+pub use reprojection::{Match, Reprojection, TILE};
 pub use sequence::{EncodedFrame, FrameSink, Observer, Outcome, SinkError, render_sequence};
 pub use settings::{PixelSampling, RenderSettings};

@@ -87,26 +87,21 @@ impl RelativeDeviations {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sampling::Random;
-
-    /// Numbers of mean 0 and variance 1, nearly normal.
-    fn normal(random: &mut Random) -> f32 {
-        (0..12).map(|_| random.unit()).sum::<f32>() - 6.0
-    }
+    use crate::metrics::synthetic::Noise;
 
     const WIDTH: usize = 64;
     const COUNT: usize = WIDTH * 48;
 
     /// What is said and what is true of an even picture of light 0.5, whose noise has the variance `variance`
     /// in its halves; grey, or in each channel its own.
-    fn said_and_true(random: &mut Random, variance: f32, grey: bool) -> (ErrorEstimate, f64) {
+    fn said_and_true(noise: &mut Noise, variance: f32, grey: bool) -> (ErrorEstimate, f64) {
         let mut half = || -> Vec<Vec3> {
             let mut value = |_| {
-                let noise = match grey {
-                    true => Vec3::splat(normal(random)),
-                    false => Vec3::from_array(std::array::from_fn(|_| normal(random))),
-                };
-                0.5 + variance.sqrt() * noise
+                let sigma = f64::from(variance).sqrt();
+                match grey {
+                    true => Vec3::splat(0.5 + (sigma * noise.normal()) as f32),
+                    false => noise.light(Vec3::splat(0.5), sigma),
+                }
             };
             (0..COUNT).map(&mut value).collect()
         };
@@ -128,11 +123,11 @@ mod tests {
 
     #[test]
     fn noise_of_known_variance() {
-        let mut random = Random::new(1);
+        let mut noise = Noise::new(1);
         for grey in [true, false] {
             let variance = 0.0016;
             let runs: Vec<_> = (0..100)
-                .map(|_| said_and_true(&mut random, variance, grey))
+                .map(|_| said_and_true(&mut noise, variance, grey))
                 .collect();
             let mean = runs
                 .iter()

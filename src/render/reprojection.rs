@@ -17,7 +17,7 @@ use rayon::prelude::*;
 const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
 /// Tiles of so many pixels in a row and in a column are worked out, and tell the standard error.
-pub(super) const TILE: u32 = 8;
+pub const TILE: u32 = 8;
 
 /// Which points a frame shows that another one shows, too, and where: of a scene that stands still, seen
 /// by two cameras.
@@ -64,19 +64,20 @@ impl Reprojection {
     }
 
     /// Columns of both frames.
-    pub fn width(&self) -> u32 {
+    pub(super) fn width(&self) -> u32 {
         self.width
     }
 
     /// Rows of both frames.
-    pub fn height(&self) -> u32 {
+    pub(super) fn height(&self) -> u32 {
         self.height
     }
 
-    /// Keeps the matches in one of `every` squares of 8 x 8 pixels, for frames that are only worked out
-    /// there. [`Reprojection::matched`] stays what it was.
-    pub fn thin(&mut self, every: u32) {
+    /// Keeps the matches in about so many squares of [`TILE`] x [`TILE`] pixels, spread evenly, for frames that
+    /// are only worked out there. [`Reprojection::matched`] stays what it was.
+    pub fn thin(&mut self, tiles: u32) {
         let (width, columns) = (self.width as usize, self.width.div_ceil(TILE) as usize);
+        let every = (self.width.div_ceil(TILE) * self.height.div_ceil(TILE)).div_ceil(tiles);
         let tile =
             |pixel: usize| pixel / width / TILE as usize * columns + pixel % width / TILE as usize;
         // The golden ratio's multiples are spread evenly (Knuth, "The Art of Computer Programming" 3, 6.4).

@@ -65,13 +65,22 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// How many passes a point can take: single precision tells 2^24 camera samples of a half apart.
+    /// How many passes a point can take: single precision tells 2^24 camera samples of a half apart, and 32
+    /// bits number their paths.
     pub(super) fn most_passes(&self) -> u32 {
-        (1 << 24) / self.samples
+        let paths = match &self.integrator {
+            Integrator::MonteCarlo { splits, .. } => {
+                let splits = splits.iter().map(|&split| u64::from(split));
+                splits.fold(1, u64::saturating_mul)
+            }
+            Integrator::RayTracing { .. } => 1,
+        };
+        let samples = (1_u64 << 24).min((1_u64 << 32) / paths);
+        (samples as u32 / self.samples).max(1)
     }
 
     /// The mean light of each half of each point, half by half, in the passes that `passes` gives: those
-    /// before `.0` were taken before, those before `.1` are taken now.
+    /// before `.0` were taken before, those before `.1`, one more at least, are taken now.
     pub(super) fn means(
         &self,
         points: &[(u32, u32)],
@@ -155,6 +164,14 @@ pub(super) struct Work {
     pub(super) non_finite: u64,
 }
 
+/// The points of a tile that took samples, and the mean of these, half by half.
+struct RefinedTile {
+    points: Vec<(u32, u32)>,
+    means: Vec<Vec3>,
+    rays: u64,
+    non_finite: u64,
+}
+
 /// What the points of a frame are known to be so far.
 pub(super) struct Estimates {
     /// The mean of each half of each point, half by half.
@@ -187,25 +204,31 @@ impl Estimates {
         let taken = &self.passes;
         let passes = |point| {
             let number = grid.number(point);
-            (taken[number], wanted(number).max(taken[number]))
+            (taken[number], wanted(number))
         };
-        let tiles: Vec<(Vec<Vec3>, Work)> = (0..grid.tiles())
+        let refined: Vec<RefinedTile> = (0..grid.tiles())
             .into_par_iter()
             .map(|tile| {
+                let mut points = grid.tile_points(tile);
+                points.retain(|&point| {
+                    let (before, now) = passes(point);
+                    now > before
+                });
                 let mut work = Work::default();
-                let means = sampler.means(&grid.tile_points(tile), passes, &mut work);
+                let means = sampler.means(&points, passes, &mut work);
                 tile_done(work.traversal.rays);
-                (means, work)
+                RefinedTile {
+                    points,
+                    means,
+                    rays: work.traversal.rays,
+                    non_finite: work.non_finite,
+                }
             })
             .collect();
-        for (tile, (means, work)) in (0..).zip(tiles) {
-            let points = grid.tile_points(tile).into_iter();
-            for (point, means) in points.zip(means.chunks(sampler.halves)) {
+        for tile in refined {
+            for (&point, means) in tile.points.iter().zip(tile.means.chunks(sampler.halves)) {
                 let number = grid.number(point);
                 let (before, now) = (self.passes[number], wanted(number));
-                if now <= before {
-                    continue;
-                }
                 let share = (now - before) as f32 / now as f32;
                 let values = &mut self.values[number * sampler.halves..];
                 for (value, mean) in values.iter_mut().zip(means) {
@@ -213,8 +236,8 @@ impl Estimates {
                 }
                 self.passes[number] = now;
             }
-            self.rays += work.traversal.rays;
-            self.non_finite += work.non_finite;
+            self.rays += tile.rays;
+            self.non_finite += tile.non_finite;
         }
     }
 }

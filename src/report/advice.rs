@@ -1,7 +1,7 @@
 use super::measure::Measurement;
 
 /// The errors that are advised on: noise that is just seen, and noise that is not.
-pub const TARGETS: [f64; 2] = [0.01, 0.001];
+pub(super) const TARGETS: [f64; 2] = [0.01, 0.001];
 
 /// The cheapest setting for an error, in words. `full_size` are the columns and rows of the sequence's frames.
 pub(super) fn advice(
@@ -13,9 +13,8 @@ pub(super) fn advice(
     let seconds = |of: &Measurement, seconds: f64| {
         seconds * pixels / (f64::from(of.size.0) * f64::from(of.size.1))
     };
-    // What has seeds of its own is no setting of a sequence, and tiny frames cost more for a pixel.
-    let usual = measurements.iter().filter(|m| !m.curve.starts_with("tiny"));
-    let usual: Vec<&Measurement> = usual.filter(|m| !m.flags.contains("mean of")).collect();
+    let usual = measurements.iter().filter(|m| m.is_setting);
+    let usual: Vec<&Measurement> = usual.collect();
     let good = usual.iter().filter(|m| m.spread[1] <= target);
     let per_pixel = |m: &&&Measurement| seconds(m, m.seconds);
     if let Some(best) = good.min_by(|a, b| per_pixel(a).total_cmp(&per_pixel(b))) {
@@ -32,8 +31,7 @@ pub(super) fn advice(
         let slope =
             (b.relative_square_error / a.relative_square_error).ln() / (b.seconds / a.seconds).ln();
         // What falls no more never gets there, and what adds samples itself is told its own target.
-        let aims = b.flags.contains("--target-error");
-        let falls = !aims
+        let falls = b.target_error.is_none()
             && a.curve == b.curve
             && ends_curve
             && slope < -0.5
@@ -59,6 +57,8 @@ mod tests {
         Measurement {
             curve,
             flags: flags.to_owned(),
+            is_setting: curve != "none",
+            target_error: None,
             size: (100, 100),
             seconds,
             cpu_seconds: seconds,
@@ -82,8 +82,7 @@ mod tests {
             measured("a", "--a 2", 2.0, 0.0095),
             measured("a", "--a 3", 4.0, 0.005),
             measured("b", "--b 1", 3.0, 0.008),
-            measured("tiny: c", "--c", 0.1, 0.001),
-            measured("d", "--d, the mean of 2 seeds", 0.1, 0.001),
+            measured("none", "--c, the mean of 2 seeds", 0.1, 0.001),
         ];
         // --a 2 is beyond it with some seeds.
         let said = advice(&all, 0.01, (200, 100));

@@ -2,8 +2,8 @@ use super::measure::settings;
 use super::technique::Technique;
 use super::{Inputs, Progress};
 use crate::input::{Mode, Settings};
-use crate::metrics::{BiasCheck, HeldOutPixel};
-use crate::render::{RenderSettings, render_pixels};
+use crate::metrics::{BiasCheck, Estimate, HeldOutPixel};
+use crate::render::{RenderSettings, render_frame, render_pixels};
 use crate::sampling::Random;
 use glam::Vec3;
 use serde::Serialize;
@@ -12,28 +12,73 @@ use std::collections::BTreeSet;
 /// Pixels of each frame.
 const PIXELS: usize = 1000;
 
+/// Of each pixel in each of two estimates of what is right.
+pub(super) const ORACLE_PATHS: u32 = 512;
+
 /// Nothing else has these seeds.
 const SEED: u32 = 3 << 24;
 
-/// Whether a technique is right in the mean, by pixels of full-size frames that were held out.
+/// Whether a technique is right in the mean, by pixels of frames that were held out.
 #[derive(Clone, Debug, Serialize)]
 pub struct BiasRow {
     /// The technique.
     pub curve: &'static str,
     /// What to write to get it.
     pub flags: String,
-    /// What stays of its relMSE however many pictures are averaged, and the standard error of that.
-    pub squared_bias: [f64; 2],
-    /// How much too bright it is, as a share of the light, and the standard error of that.
-    pub mean_bias: [f64; 2],
-    /// Whether chance does not explain these.
-    pub is_biased: bool,
+    /// Columns and rows of the frames.
+    pub size: (u32, u32),
     /// How many pixels were looked at.
     pub pixels: usize,
+    /// What stays of its relMSE however many pictures are averaged.
+    pub squared_bias: Estimate,
+    /// How much too bright it is, as a share of the light.
+    pub mean_bias: Estimate,
+    /// Whether chance does not explain these.
+    pub is_biased: bool,
+}
+
+/// Checks one technique of each curve.
+pub(super) fn bias(
+    inputs: &Inputs,
+    techniques: &[Technique],
+    progress: &mut Progress,
+) -> Vec<BiasRow> {
+    let full_size = HeldOut::new(inputs, inputs.full_size(), progress);
+    let small = HeldOut::new(inputs, inputs.size, progress);
+    let checked = techniques.iter().filter(|technique| technique.is_checked);
+    let check = |technique: &Technique| match needs_frames(technique) {
+        true => small.check(inputs, technique, progress),
+        false => full_size.check(inputs, technique, progress),
+    };
+    checked.map(check).collect()
+}
+
+/// Where samples are added all pixels of a frame decide: it is rendered whole, and small.
+fn needs_frames(technique: &Technique) -> bool {
+    technique.settings.target_error.is_some()
+}
+
+/// About how many paths the check takes, for a forecast.
+pub(super) fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
+    let checked = techniques.iter().filter(|technique| technique.is_checked);
+    let of_frame = checked.map(|technique| work_of_picture(inputs, technique));
+    let oracles = 2.0 * f64::from(2 * ORACLE_PATHS) * PIXELS as f64;
+    (2.0 * of_frame.sum::<f64>() + oracles) * inputs.frames.len() as f64
+}
+
+/// Of one picture of one frame.
+fn work_of_picture(inputs: &Inputs, technique: &Technique) -> f64 {
+    let (width, height) = inputs.size;
+    technique.paths()
+        * match needs_frames(technique) {
+            true => f64::from(width * height),
+            false => PIXELS as f64,
+        }
 }
 
 /// Pixels of some frames and what is right there, twice.
-pub(super) struct HeldOut {
+struct HeldOut {
+    size: (u32, u32),
     frames: Vec<HeldOutFrame>,
 }
 
@@ -45,29 +90,31 @@ struct HeldOutFrame {
 }
 
 impl HeldOut {
-    /// Works out pixels, chosen by chance, of frames of the sequence's own size.
-    pub(super) fn new(inputs: &Inputs, progress: &mut Progress) -> HeldOut {
-        let (width, height) = inputs.full_size();
-        let oracle = Settings {
+    /// Works out pixels, chosen by chance, of frames of a size.
+    fn new(inputs: &Inputs, size: (u32, u32), progress: &mut Progress) -> HeldOut {
+        progress.begin("held-out pixels");
+        let settings = Settings {
             mode: Some(Mode::Montecarlo),
-            samples: Some(ORACLE_SAMPLES),
+            size: Some(size),
+            samples: Some(2 * ORACLE_PATHS),
             splits: Some(vec![1]),
             seed: Some(SEED),
             target_error: None,
             ..inputs.given.clone()
         };
-        let oracle = oracle.resolve();
+        let settings = settings.resolve();
         let mut random = Random::new(SEED.into());
         let frames = inputs.frames.iter().map(|&frame| {
             let pixel = |_| {
-                let [x, y] = [width, height].map(|size| random.below(size as usize) as u32);
+                let [x, y] = [size.0, size.1].map(|size| random.below(size as usize) as u32);
                 (x, y)
             };
             // No pixel twice, where there are enough.
             let pixels: BTreeSet<(u32, u32)> = (0..PIXELS).map(pixel).collect();
             let pixels: Vec<(u32, u32)> = pixels.into_iter().collect();
-            let oracle = render(inputs, &oracle, frame, &pixels);
-            progress.step(f64::from(ORACLE_SAMPLES) * pixels.len() as f64, "oracle");
+            let camera = inputs.path.camera(frame);
+            let oracle = render_pixels(inputs.scene, &camera, &settings, frame, &pixels);
+            progress.step(f64::from(2 * ORACLE_PATHS) * PIXELS as f64);
             HeldOutFrame {
                 frame,
                 pixels,
@@ -75,68 +122,56 @@ impl HeldOut {
             }
         });
         HeldOut {
+            size,
             frames: frames.collect(),
         }
     }
 
     /// Holds a technique against them.
-    pub(super) fn check(
-        &self,
-        inputs: &Inputs,
-        technique: &Technique,
-        progress: &mut Progress,
-    ) -> BiasRow {
+    fn check(&self, inputs: &Inputs, technique: &Technique, progress: &mut Progress) -> BiasRow {
+        progress.begin(technique.curve);
         let mut held_out = Vec::new();
-        for HeldOutFrame {
-            frame,
-            pixels,
-            oracle,
-        } in &self.frames
-        {
-            let pictures = [0, 1].map(|seed| {
-                let settings = settings(inputs, technique, inputs.full_size(), seed);
-                let halves = render(inputs, &settings, *frame, pixels);
-                halves.into_iter().map(|[a, b]| 0.5 * (a + b))
+        for frame in &self.frames {
+            let [first, second] = [0, 1].map(|seed| {
+                let settings = settings(inputs, technique, self.size, seed);
+                frame.picture(inputs, technique, &settings)
             });
-            let [first, second] = pictures;
-            let both = first.zip(second).zip(oracle);
+            let both = first.into_iter().zip(second).zip(&frame.oracle);
             held_out.extend(both.map(|((c1, c2), oracle)| HeldOutPixel {
                 technique: [c1, c2],
                 oracle: *oracle,
             }));
-            progress.step(
-                2.0 * technique.paths() * pixels.len() as f64,
-                technique.curve,
-            );
+            progress.step(2.0 * work_of_picture(inputs, technique));
         }
         let check = BiasCheck::of(&held_out, inputs.exposure());
         BiasRow {
             curve: technique.curve,
             flags: technique.flags(),
-            squared_bias: [check.squared_bias.mean, check.squared_bias.error],
-            mean_bias: [check.mean_bias.mean, check.mean_bias.error],
-            is_biased: check.is_biased(),
+            size: self.size,
             pixels: check.pixels,
+            squared_bias: check.squared_bias,
+            mean_bias: check.mean_bias,
+            is_biased: check.is_biased(),
         }
     }
 }
 
-/// Of each pixel of the oracle, in two halves.
-const ORACLE_SAMPLES: u32 = 1024;
-
-fn render(
-    inputs: &Inputs,
-    settings: &RenderSettings,
-    frame: u32,
-    pixels: &[(u32, u32)],
-) -> Vec<[Vec3; 2]> {
-    let camera = inputs.path.camera(frame);
-    render_pixels(inputs.scene, &camera, settings, frame, pixels)
-}
-
-/// About how many paths the check takes, for a forecast.
-pub(super) fn work(frames: usize, techniques: &[Technique]) -> f64 {
-    let checked = techniques.iter().filter(|technique| technique.is_checked);
-    let paths: f64 = checked.map(|technique| 2.0 * technique.paths()).sum();
-    (paths + f64::from(ORACLE_SAMPLES)) * (frames * PIXELS) as f64
+impl HeldOutFrame {
+    /// The pixels as a technique makes them.
+    fn picture(
+        &self,
+        inputs: &Inputs,
+        technique: &Technique,
+        settings: &RenderSettings,
+    ) -> Vec<Vec3> {
+        let (scene, frame) = (inputs.scene, self.frame);
+        let camera = inputs.path.camera(frame);
+        if needs_frames(technique) {
+            let film = render_frame(scene, &camera, settings, frame, &|_| ()).film;
+            let pixel = |&(x, y): &(u32, u32)| film.pixels()[(y * film.width() + x) as usize];
+            return self.pixels.iter().map(pixel).collect();
+        }
+        let halves = render_pixels(scene, &camera, settings, frame, &self.pixels);
+        halves.into_iter().map(|[a, b]| 0.5 * (a + b)).collect()
+    }
 }

@@ -2,20 +2,22 @@ use super::{Inputs, Progress};
 use crate::film::Film;
 use crate::input::{Mode, Settings};
 use crate::metrics::{Estimate, mean};
-use crate::render::{RenderSettings, Reprojection, render_pixels};
+use crate::render::{RenderSettings, Reprojection, TILE, render_pixels};
 use serde::Serialize;
 
 /// Pairs of frames, spread over the path.
 const PAIRS: u32 = 8;
 
-/// About so many squares of 8 x 8 pixels of each pair are looked at.
+/// About so many squares of [`TILE`] x [`TILE`] pixels of each pair are looked at.
 const TILES: u32 = 40;
 
 /// Nothing else has these seeds.
 const SEED: u32 = 5 << 24;
 
-/// Paths of a pixel that flickers, and of each half of what tells how much.
-const PATHS: u32 = 32;
+/// Paths of a pixel that flickers.
+pub(super) const PATHS: u32 = 32;
+
+/// Paths of each half of what tells how much.
 const REFERENCE_PATHS: u32 = 512;
 
 /// How much the noise of a frame and the next differs at the same points of the scene.
@@ -27,8 +29,8 @@ pub struct FlickerRow {
     pub seeds: &'static str,
     /// Typical change, as a share of the light, that neither motion nor interpolation explains.
     pub relative: f64,
-    /// The square of that, not rounded up to 0, and its standard error.
-    pub square: [f64; 2],
+    /// The square of that, not rounded up to 0.
+    pub square: Estimate,
     /// The share of the pixels that see what the other frame sees, too.
     pub matched: f64,
 }
@@ -38,6 +40,7 @@ pub(super) const SEEDS: [&str; 2] = ["new seed in each frame", "locked seed"];
 
 /// Measures pairs of frames of the sequence's own size.
 pub(super) fn flicker(inputs: &Inputs, progress: &mut Progress) -> Vec<FlickerRow> {
+    progress.begin("flicker");
     let mut rows = Vec::new();
     for frame in pairs(inputs.path.timeline().frame_count()) {
         let pair = Pair::new(inputs, frame);
@@ -68,11 +71,14 @@ pub(super) fn flicker(inputs: &Inputs, progress: &mut Progress) -> Vec<FlickerRo
                 frame,
                 seeds,
                 relative: flicker.relative,
-                square: [flicker.square, flicker.standard_error],
+                square: Estimate {
+                    mean: flicker.square,
+                    error: flicker.standard_error,
+                },
                 matched: flicker.matched,
             });
         }
-        progress.step(work_of_pair(), "flicker");
+        progress.step(work_of_pair());
     }
     rows
 }
@@ -84,25 +90,26 @@ pub(super) fn advice(rows: &[FlickerRow]) -> Option<String> {
     };
     let [new, locked] = SEEDS.map(of);
     let typical = |rows: &[&FlickerRow]| {
-        let squares: Vec<f64> = rows.iter().map(|row| row.square[0]).collect();
+        let squares: Vec<f64> = rows.iter().map(|row| row.square.mean).collect();
         mean(&squares).max(0.0).sqrt()
     };
     // Pair by pair, as both have the same references.
     let less = new
         .iter()
         .zip(&locked)
-        .map(|(new, locked)| new.square[0] - locked.square[0]);
+        .map(|(new, locked)| new.square.mean - locked.square.mean);
     let less = Estimate::of(&less.collect::<Vec<f64>>());
+    let [low, high] = less.interval((new.len() as u32).saturating_sub(1));
     let advice = match new.len() {
         0 => return None,
         1 => "",
-        count if less.interval(count as u32 - 1)[0] > 0.0 => ": `--lock-seed` flickers less",
-        count if less.interval(count as u32 - 1)[1] < 0.0 => ": `--lock-seed` flickers more",
+        _ if low > 0.0 => ": `--lock-seed` flickers less",
+        _ if high < 0.0 => ": `--lock-seed` flickers more",
         _ => ": no difference that is sure",
     };
     let [new, locked] = [&new, &locked].map(|rows| 100.0 * typical(rows));
     Some(format!(
-        "Flicker with 32 paths: {new:.1} % with a new seed in each frame, {locked:.1} % with a locked one{advice}."
+        "Flicker with {PATHS} paths: {new:.1} % with a new seed in each frame, {locked:.1} % with a locked one{advice}."
     ))
 }
 
@@ -112,7 +119,8 @@ pub(super) fn work(frames: u32) -> f64 {
 }
 
 fn work_of_pair() -> f64 {
-    f64::from(2 * TILES * 64 * 2 * (PATHS + REFERENCE_PATHS))
+    // Two frames of a pair; two kinds of seeds, and the two halves of the reference.
+    f64::from(2 * TILES * TILE * TILE * 2 * (PATHS + REFERENCE_PATHS))
 }
 
 fn pairs(frames: u32) -> Vec<u32> {
@@ -136,7 +144,7 @@ impl Pair<'_> {
         let (width, height) = inputs.full_size();
         let [from, to] = [frame, frame + 1].map(|frame| inputs.path.camera(frame));
         let mut reprojection = Reprojection::new(inputs.scene, &from, &to, width, height);
-        reprojection.thin((width.div_ceil(8) * height.div_ceil(8)).div_ceil(TILES));
+        reprojection.thin(TILES);
         let matches = reprojection.matches();
         let mut later: Vec<usize> = matches.iter().map(|of| of.pixel).collect();
         let taps = matches.iter().flat_map(|of| reprojection.taps(of));

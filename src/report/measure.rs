@@ -15,6 +15,10 @@ pub struct Measurement {
     pub curve: &'static str,
     /// What to write to get it.
     pub flags: String,
+    /// Whether that gives it: not if it is a mean of renderings, or takes so long that nobody would.
+    pub is_setting: bool,
+    /// The error until which it adds samples.
+    pub target_error: Option<f64>,
     /// Columns and rows.
     pub size: (u32, u32),
     /// Seconds per frame.
@@ -37,7 +41,7 @@ pub struct Measurement {
     pub p95_relative_error: f64,
     /// How much too bright the frames are, as a share of their light.
     pub mean_bias: f64,
-    /// What holds the mean of endless seeds 95 times of 100. The reference's own bias, of chance, is not in it.
+    /// What holds the mean of endless seeds 95 times of 100, were the references free of noise, too.
     pub mean_bias_interval: [f64; 2],
     /// FLIP of the displayed pictures.
     pub flip: f64,
@@ -59,6 +63,7 @@ pub(super) fn measure(
     references: &[(u32, Reference)],
     progress: &mut Progress,
 ) -> (Measurement, Film) {
+    progress.begin(technique.curve);
     let mut picture = None;
     let mut all = Vec::new();
     let mut by_seed = Vec::new();
@@ -74,29 +79,27 @@ pub(super) fn measure(
             biases.push(difference.mean_bias);
             picture.get_or_insert_with(|| taken.film.clone());
             all.push((taken, difference));
-            progress.step(
-                technique.paths() * f64::from(size.0 * size.1),
-                technique.curve,
-            );
+            progress.step(technique.paths() * f64::from(size.0 * size.1));
         }
         by_seed.push(mean(&errors));
         bias_by_seed.push(mean(&biases));
     }
-    let picture = picture.unwrap_or_else(|| Film::new(1, 1));
+    let picture = picture.expect("a frame and a seed");
     let over =
         |of: &dyn Fn(&(Taken, Difference)) -> f64| mean(&all.iter().map(of).collect::<Vec<f64>>());
     let seconds = over(&|(taken, _)| taken.seconds);
     let rays = over(&|(taken, _)| taken.rays as f64);
-    let own = |(taken, _): &(Taken, Difference)| {
-        taken
-            .error
-            .map_or(f64::NAN, |error| error.relative_square_error)
-    };
-    let mean_bias = Estimate::of(&bias_by_seed);
-    let own_estimate = Some(over(&own)).filter(|own| !own.is_nan());
+    let own = all.iter().map(|(taken, _)| taken.error);
+    let own: Option<Vec<f64>> = own.map(|e| Some(e?.relative_square_error)).collect();
+    let mut mean_bias = Estimate::of(&bias_by_seed);
+    let variances = references.iter().map(|(_, r)| r.error_of_mean().powi(2));
+    let of_references = variances.sum::<f64>().sqrt() / references.len() as f64;
+    mean_bias.error = mean_bias.error.hypot(of_references);
     let measurement = Measurement {
         curve: technique.curve,
         flags: technique.flags(),
+        is_setting: technique.repeats == 1 && !technique.is_tiny,
+        target_error: technique.settings.target_error,
         size: (picture.width(), picture.height()),
         seconds,
         cpu_seconds: over(&|(taken, _)| taken.cpu_seconds),
@@ -110,7 +113,7 @@ pub(super) fn measure(
             by_seed.iter().copied().fold(f64::INFINITY, f64::min),
             by_seed.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         ],
-        own_estimate,
+        own_estimate: own.map(|own| mean(&own)),
         p95_relative_error: over(&|(_, difference)| difference.p95_relative_error),
         mean_bias: mean_bias.mean,
         mean_bias_interval: mean_bias.interval(inputs.seeds - 1),

@@ -13,7 +13,7 @@ mod reference;
 mod technique;
 mod text;
 
-pub use advice::TARGETS;
+use advice::TARGETS;
 pub use bias::BiasRow;
 pub use flicker::FlickerRow;
 pub use measure::Measurement;
@@ -71,6 +71,30 @@ impl Inputs<'_> {
         camera
     }
 
+    /// What the files set that flags do not take back; none if there is nothing.
+    fn caveat(&self) -> Option<String> {
+        let Settings {
+            samples,
+            splits,
+            target_error,
+            ..
+        } = &self.given;
+        let set = [
+            ("samples", samples.is_some()),
+            ("splits", splits.is_some()),
+            ("target_error", target_error.is_some()),
+        ];
+        let names = set.iter().filter(|(_, is_set)| *is_set);
+        let names: Vec<&str> = names.map(|(name, _)| *name).collect();
+        (!names.is_empty()).then(|| {
+            format!(
+                "The scene or the path sets {}, which the report leaves out: take it out of the file where a \
+                 technique's flags do not set it.",
+                names.join(", ")
+            )
+        })
+    }
+
     /// Columns and rows of the sequence's own frames.
     fn full_size(&self) -> (u32, u32) {
         let settings = self.given.resolve();
@@ -121,12 +145,23 @@ pub struct Report {
     pub advice: Vec<String>,
     /// Every technique, in the order of the table.
     pub measurements: Vec<Measurement>,
-    /// Size, frame and relMSE of each reference.
-    pub references: Vec<((u32, u32), u32, f64)>,
+    /// What the errors are held against.
+    pub references: Vec<ReferenceRow>,
     /// What the held-out pixels say.
     pub bias: Vec<BiasRow>,
     /// What pairs of frames say.
     pub flicker: Vec<FlickerRow>,
+}
+
+/// A reference, which stands for the frame without noise.
+#[derive(Debug, Serialize)]
+pub struct ReferenceRow {
+    /// Columns and rows.
+    pub size: (u32, u32),
+    /// The frame.
+    pub frame: u32,
+    /// Its own relMSE.
+    pub relative_square_error: f64,
 }
 
 /// Told how far the report is, of 1, and what comes next.
@@ -136,14 +171,21 @@ pub type Listener<'a> = &'a dyn Fn(f64, &str);
 struct Progress<'a> {
     done: f64,
     all: f64,
+    what: &'static str,
     listener: Listener<'a>,
 }
 
 impl Progress<'_> {
+    /// Something else begins.
+    fn begin(&mut self, what: &'static str) {
+        self.what = what;
+        self.step(0.0);
+    }
+
     /// So many paths more are done.
-    fn step(&mut self, paths: f64, what: &str) {
+    fn step(&mut self, paths: f64) {
         self.done += paths;
-        (self.listener)((self.done / self.all).min(1.0), what);
+        (self.listener)((self.done / self.all).min(1.0), self.what);
     }
 }
 
@@ -157,6 +199,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
     let mut progress = Progress {
         done: 0.0,
         all: work(inputs, &techniques),
+        what: "",
         listener,
     };
     let write = |name: &str, bytes: &[u8]| {
@@ -165,40 +208,44 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
     };
     let strips = inputs.folder.join("strips");
     fs::create_dir_all(&strips).map_err(|source| ReportError::file(&strips, source))?;
+    // Whether a folder that is there takes files is known before the work, not after.
+    let trial = inputs.folder.join(".trial");
+    let tried = fs::write(&trial, []).and_then(|()| fs::remove_file(&trial));
+    tried.map_err(|source| ReportError::file(&trial, source))?;
 
     let usual_references = reference::references(inputs, false, &mut progress)?;
     let tiny_references = reference::references(inputs, true, &mut progress)?;
     let mut measurements: Vec<Measurement> = Vec::new();
-    for technique in &techniques {
+    for (number, technique) in techniques.iter().enumerate() {
         let references = match technique.is_tiny {
             true => &tiny_references,
             false => &usual_references,
         };
         let (measured, picture) = measure::measure(inputs, technique, references, &mut progress);
-        // The last of each curve stays: its best.
-        let strip = pictures::strip(inputs, &picture, &references[0].1)?;
-        write(&strip_of(technique.curve), &strip)?;
+        let next = techniques.get(number + 1);
+        if next.is_none_or(|next| next.curve != technique.curve) {
+            let strip = pictures::strip(inputs, &picture, &references[0].1)?;
+            write(&strip_of(technique.curve), &strip)?;
+        }
         measurements.push(measured);
     }
-    let held_out = bias::HeldOut::new(inputs, &mut progress);
-    let checked = techniques.iter().filter(|technique| technique.is_checked);
-    let bias = checked.map(|technique| held_out.check(inputs, technique, &mut progress));
-    let bias = bias.collect();
+    let bias = bias::bias(inputs, &techniques, &mut progress);
     let flicker = flicker::flicker(inputs, &mut progress);
 
-    let quality = |(frame, reference): &(u32, Reference)| {
-        let size = (reference.mean().width(), reference.mean().height());
-        (
-            size,
-            *frame,
-            reference.relative_square_error(inputs.exposure()),
-        )
+    let quality = |(frame, reference): &(u32, Reference)| ReferenceRow {
+        size: (reference.mean().width(), reference.mean().height()),
+        frame: *frame,
+        relative_square_error: reference.relative_square_error(inputs.exposure()),
     };
     let full_size = inputs.full_size();
+    let references = usual_references.iter().chain(&tiny_references);
+    let references: Vec<ReferenceRow> = references.map(quality).collect();
     let mut advice: Vec<String> = TARGETS
         .map(|target| advice::advice(&measurements, target, full_size))
         .to_vec();
     advice.extend(flicker::advice(&flicker));
+    advice.extend(inputs.caveat());
+    advice.extend(reference::advice(inputs, &references));
     let report = Report {
         title: inputs.title.clone(),
         full_size,
@@ -206,11 +253,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         seeds: inputs.seeds,
         advice,
         measurements,
-        references: usual_references
-            .iter()
-            .chain(&tiny_references)
-            .map(quality)
-            .collect(),
+        references,
         bias,
         flicker,
     };
@@ -248,7 +291,8 @@ fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
         technique.paths() * pixels * f64::from(inputs.seeds)
     };
     techniques.iter().map(of_technique).sum::<f64>()
-        + reference::work(inputs) * (usual + pixels(TINY))
-        + bias::work(inputs.frames.len(), techniques)
+        + reference::work(inputs, false) * usual
+        + reference::work(inputs, true) * pixels(TINY)
+        + bias::work(inputs, techniques)
         + flicker::work(inputs.path.timeline().frame_count())
 }

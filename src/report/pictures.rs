@@ -49,8 +49,11 @@ pub(super) fn flicker_curve(inputs: &Inputs, rows: &[FlickerRow]) -> Chart {
     let of_seeds = |seeds: &&'static str| {
         let rows = rows.iter().filter(|row| row.seeds == *seeds);
         let points = rows.map(|row| {
-            let [square, error] = row.square;
-            let end = |sign: f64| (square + sign * 1.96 * error).max(0.0).sqrt();
+            let end = |sign: f64| {
+                (row.square.mean + sign * 1.96 * row.square.error)
+                    .max(0.0)
+                    .sqrt()
+            };
             Point {
                 x: f64::from(row.frame),
                 y: row.relative,

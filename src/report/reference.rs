@@ -1,5 +1,5 @@
-use super::{Inputs, Progress, ReportError, TINY};
-use crate::input::{Mode, Settings};
+use super::{Inputs, Progress, ReferenceRow, ReportError, TINY};
+use crate::input::{LEAST_TARGET_ERROR, Mode, Settings};
 use crate::metrics::Reference;
 use crate::output::{decode_exr, encode_exr, note_of_exr, write_whole};
 use crate::render::{RenderSettings, render_frame};
@@ -19,28 +19,35 @@ pub(super) fn references(
     } else {
         (inputs.size, &inputs.frames[..])
     };
+    progress.begin("references");
     let made = frames.iter().map(|&frame| {
         let made = reference(inputs, size, is_tiny, frame)?;
-        progress.step(work(inputs) * f64::from(size.0 * size.1), "references");
+        progress.step(work(inputs, is_tiny) * f64::from(size.0 * size.1));
         Ok((frame, made))
     });
     made.collect()
 }
 
 /// About how many paths each pixel of a reference takes: an error of 0.1 for each path.
-pub(super) fn work(inputs: &Inputs) -> f64 {
-    0.1 / inputs.reference_error
+pub(super) fn work(inputs: &Inputs, is_tiny: bool) -> f64 {
+    0.1 / wanted_error(inputs, is_tiny)
 }
 
-/// The reference of one frame: montecarlo with samples spread over each pixel, added until its own relMSE is below what the report asks for. It is made once, and kept with the fingerprint of
-/// all that decides it.
+/// What has a million paths in each of its few pixels needs a better reference.
+fn wanted_error(inputs: &Inputs, is_tiny: bool) -> f64 {
+    let factor = if is_tiny { 0.01 } else { 1.0 };
+    (factor * inputs.reference_error).max(LEAST_TARGET_ERROR)
+}
+
+/// The reference of one frame: montecarlo with samples spread over each pixel, added until its own relMSE is
+/// below what the report asks for. It is made once, and kept with the fingerprint of all that decides it.
 fn reference(
     inputs: &Inputs,
     size: (u32, u32),
     is_tiny: bool,
     frame: u32,
 ) -> Result<Reference, ReportError> {
-    let settings = settings(inputs, size);
+    let settings = settings(inputs, size, is_tiny);
     let folder = inputs.folder.join("references");
     let camera = inputs.camera(frame, is_tiny);
     let decisive = format!("{} {settings:?} {camera:?} {frame}", inputs.fingerprint);
@@ -65,14 +72,23 @@ fn reference(
     Ok(Reference::new(a, b))
 }
 
-fn settings(inputs: &Inputs, size: (u32, u32)) -> RenderSettings {
+/// Says so if a reference is not as good as it should be; none if all are.
+pub(super) fn advice(inputs: &Inputs, references: &[ReferenceRow]) -> Option<String> {
+    let errors = references.iter().map(|row| row.relative_square_error);
+    let worst = errors.fold(0.0, f64::max);
+    (worst > inputs.reference_error).then(|| {
+        format!("A reference's own relMSE is {worst:.1e}: errors that are not much larger are uncertain.")
+    })
+}
+
+fn settings(inputs: &Inputs, size: (u32, u32), is_tiny: bool) -> RenderSettings {
     let settings = Settings {
         mode: Some(Mode::Montecarlo),
         size: Some(size),
         samples: Some(16),
         splits: Some(vec![2]),
         seed: Some(SEED),
-        target_error: Some(inputs.reference_error),
+        target_error: Some(wanted_error(inputs, is_tiny)),
         ..Settings::default()
     };
     settings.or(inputs.given.clone()).resolve()

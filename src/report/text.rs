@@ -1,3 +1,5 @@
+use super::bias::ORACLE_PATHS;
+use super::flicker::PATHS;
 use super::{Measurement, Report, ReportError, strip_of};
 use std::fmt::Write;
 use std::io;
@@ -69,11 +71,15 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     writeln!(
         out,
         "\n![Error for the time spent](curves.png)\n\n\
-         Frames {} with {} seeds each (tiny: a window in the middle of the first, at full size), on {} threads; means of all. In units of \
-         display white, relMSE is the mean of (x - r)^2 / (m^2 + 0.01), where r is the reference and m the mean \
-         of its pixels around: squared errors are free of the reference's own noise. In brackets the least and \
-         the most of the seeds. `own` is what the frames themselves say of their relMSE, without a reference: \
-         it does not know of bias, nor of edges that are not smooth where a pixel's samples do not spread.\n",
+         Frames {} with {} seeds each (tiny: a window in the middle of the first, at full size), on {} threads; \
+         means of all, without a rendering to warm up. Advice and curves have the seconds of a full-size frame, in \
+         proportion to its pixels. In units of display white, relMSE is the mean of (x - r)^2 / (m^2 + 0.01), \
+         where r is the reference and m the mean of its pixels around: squared errors are free of the \
+         reference's own noise, and by chance negative where they are less than it. In brackets the least and \
+         the most of the seeds, and what holds the mean bias 95 times of 100. `own` is what the frames \
+         themselves say of their relMSE, without a reference: it does not know of bias, nor of edges that are \
+         not smooth where a pixel's samples do not spread. p95 is what 95 % of the relative errors do not \
+         exceed.\n",
         frames.join(", "),
         report.seeds,
         rayon::current_num_threads()
@@ -83,20 +89,23 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
         out,
         "\n| reference | frame | its own relMSE |\n|---|---|---|"
     )?;
-    for ((width, height), frame, error) in &report.references {
+    for reference in &report.references {
+        let (width, height) = reference.size;
+        let (frame, error) = (reference.frame, reference.relative_square_error);
         writeln!(out, "| {width}x{height} | {frame} | {error:.1e} |")?;
     }
     writeln!(
         out,
         "\n## Bias\n\n\
-         At pixels of {width}x{height} that chance chose, by two independent pictures and two independent \
-         estimates of 512 paths each: what stays of relMSE however many pictures are averaged, and how much \
-         too bright they are; with standard errors.\n\n\
+         At pixels that chance chose, by two independent pictures and two independent estimates of \
+         {ORACLE_PATHS} paths each: what stays of relMSE however many pictures are averaged, and how much too \
+         bright they are; with standard errors. What has no bias is accused about once in 500 times, a little \
+         more often where a few bright pixels are among many dim ones.\n\n\
          | technique | pixels | squared bias | mean bias, % | |\n|---|---|---|---|---|"
     )?;
     for row in &report.bias {
-        let [squared, squared_error] = row.squared_bias;
-        let [mean, mean_error] = row.mean_bias.map(|bias| 100.0 * bias);
+        let (squared, mean) = (row.squared_bias, row.mean_bias / 0.01);
+        let (width, height) = row.size;
         let verdict = if row.is_biased {
             "**biased**"
         } else {
@@ -104,26 +113,27 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
         };
         writeln!(
             out,
-            "| {}: `{}` | {} | {squared:.1e} ± {squared_error:.1e} | {mean:+.2} ± {mean_error:.2} | {verdict} |",
-            row.curve, row.flags, row.pixels
+            "| {}: `{}` | {} of {width}x{height} | {:.1e} ± {:.1e} | {:+.2} ± {:.2} | {verdict} |",
+            row.curve, row.flags, row.pixels, squared.mean, squared.error, mean.mean, mean.error
         )?;
     }
     writeln!(
         out,
         "\n## Flicker\n\n\
          The typical change, relative to the light, from a frame of {width}x{height} to the next at the same \
-         point of the scene, beyond what motion and interpolation change in the references; 32 paths.\n\n\
+         point of the scene, beyond what motion and interpolation change in the references; {PATHS} paths.\n\n\
          ![Flicker](flicker.png)\n\n\
          | frame | seeds | relative change | its square | pixels matched, % |\n|---|---|---|---|---|"
     )?;
     for row in &report.flicker {
-        let [square, error] = row.square;
         writeln!(
             out,
-            "| {} | {} | {:.3} | {square:.1e} ± {error:.1e} | {:.0} |",
+            "| {} | {} | {:.3} | {:.1e} ± {:.1e} | {:.0} |",
             row.frame,
             row.seeds,
             row.relative,
+            row.square.mean,
+            row.square.error,
             100.0 * row.matched
         )?;
     }

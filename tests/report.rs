@@ -183,7 +183,11 @@ fn a_report_has_everything_and_keeps_its_references() {
     assert!((few[0] / few[1] - 1.0).abs() < 0.3, "{few:?}");
     for reference in report["references"].as_array().unwrap() {
         // The window's is better than the frames'.
-        let most = if reference["size"][0] == 16 { 1e-3 } else { 1e-5 };
+        let most = if reference["size"][0] == 16 {
+            1e-3
+        } else {
+            1e-5
+        };
         let own = &reference["relative_square_error"];
         assert!(own.as_f64().unwrap() < most, "{reference}");
     }

@@ -13,20 +13,22 @@
 //! |---|---|---|
 //! | 0 | [`math`] | anything above |
 //! | 1 | [`sampling`], [`geometry`], [`texture`], [`film`], [`chart`] | files, threads, the scene |
-//! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`metrics`] | each other, files, threads |
+//! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`metrics`], [`illumination`] | each other, files, threads |
 //! | 3 | [`scene`] | how light is gathered, files |
 //! | 4 | [`integrator`] | pixels, frames, time |
-//! | 5 | [`render`] | file formats, folders, terminals |
+//! | 5 | [`bake`], [`render`] | each other, file formats, folders, terminals |
 //! | 6 | [`input`], [`output`], [`selftest`] | each other, the command line |
 //! | 7 | [`report`] | the command line |
 //! | 8 | [`cli`] | the mathematics |
 
 pub mod accel;
+pub mod bake;
 pub mod camera;
 pub mod chart;
 pub mod cli;
 pub mod film;
 pub mod geometry;
+pub mod illumination;
 pub mod input;
 pub mod integrator;
 pub mod light;

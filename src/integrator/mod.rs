@@ -3,19 +3,54 @@
 //! A ray that leaves the scene returns the background; a path that has no bounces left returns the
 //! ambient light. Knows nothing of pixels, frames or time.
 
+mod cached;
 mod direct;
+mod gather;
 mod monte_carlo;
 mod path;
 mod ray_tracing;
+mod seen;
 
 use crate::accel::Traversal;
 use crate::geometry::Hit;
-use crate::material::{FeatureSet, Features, Only, mirror};
+use crate::illumination::Illumination;
+use crate::material::{FeatureSet, Features, mirror};
 use crate::math::Ray;
 use crate::sampling::Sequence;
 use crate::scene::{Scene, Surface};
 use direct::direct_of_neighbours;
 use glam::Vec3;
+use ray_tracing::Step;
+use std::sync::Arc;
+
+pub use gather::{GatherPoint, gather};
+pub use seen::{Seen, seen};
+
+/// A function for each set of features, by its number.
+macro_rules! for_each_feature_set {
+    ($($function:tt)+) => {{
+        use crate::material::Only;
+        [
+            $($function)+::<Only<0>>,
+            $($function)+::<Only<1>>,
+            $($function)+::<Only<2>>,
+            $($function)+::<Only<3>>,
+            $($function)+::<Only<4>>,
+            $($function)+::<Only<5>>,
+            $($function)+::<Only<6>>,
+            $($function)+::<Only<7>>,
+            $($function)+::<Only<8>>,
+            $($function)+::<Only<9>>,
+            $($function)+::<Only<10>>,
+            $($function)+::<Only<11>>,
+            $($function)+::<Only<12>>,
+            $($function)+::<Only<13>>,
+            $($function)+::<Only<14>>,
+            $($function)+::<Only<15>>,
+        ]
+    }};
+}
+use for_each_feature_set;
 
 /// A way to work out the light along a camera ray.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,6 +66,13 @@ pub enum Integrator {
         bounces: u32,
         /// How many paths go on from each diffuse bounce, the first first; 1 beyond the list.
         splits: Vec<u32>,
+    },
+    /// The same, with what is gathered at the surfaces that the camera sees, itself and in mirrors, looked up.
+    Cached {
+        /// Of the scene. It knows how many bounces are counted.
+        illumination: Arc<Illumination>,
+        /// How many paths go on from points where it is not known.
+        paths: u32,
     },
 }
 
@@ -70,9 +112,27 @@ impl Integrator {
         let surfaces = surfaces_of_neighbours::<F>(scene, &rays, traversal);
         let lit = direct_of_neighbours::<F>(scene, &surfaces, &rays, traversal);
         match self {
-            Integrator::RayTracing { bounces } => ray_tracing::radiance::<F>(
-                scene, rays, surfaces, lit, *bounces, traversal, radiance,
-            ),
+            Integrator::RayTracing { bounces } => {
+                let ambient = ambient(scene);
+                let indirect = |step: &Step, _: &mut Traversal| vec![ambient; step.surfaces.len()];
+                let first = Step::first(rays, surfaces, lit, *bounces);
+                ray_tracing::radiance::<F>(scene, first, indirect, traversal, radiance);
+            }
+            Integrator::Cached {
+                illumination,
+                paths,
+            } => {
+                let cached = cached::Cached {
+                    scene,
+                    illumination,
+                    paths: *paths,
+                    samples,
+                };
+                let indirect =
+                    |step: &Step, traversal: &mut Traversal| cached.indirect::<F>(step, traversal);
+                let first = Step::first(rays, surfaces, lit, illumination.bounces());
+                ray_tracing::radiance::<F>(scene, first, indirect, traversal, radiance);
+            }
             Integrator::MonteCarlo { bounces, splits } => monte_carlo::radiance::<F>(
                 scene, samples, &surfaces, &lit, *bounces, splits, traversal, radiance,
             ),
@@ -105,24 +165,7 @@ fn surfaces<F: Features>(
 type RadianceFor = fn(&Integrator, &Scene, &[CameraSample], &mut Traversal, &mut [Vec3]);
 
 /// [`Integrator::radiance`] for each set of features.
-static RADIANCE: [RadianceFor; FeatureSet::COUNT] = [
-    Integrator::radiance_for::<Only<0>>,
-    Integrator::radiance_for::<Only<1>>,
-    Integrator::radiance_for::<Only<2>>,
-    Integrator::radiance_for::<Only<3>>,
-    Integrator::radiance_for::<Only<4>>,
-    Integrator::radiance_for::<Only<5>>,
-    Integrator::radiance_for::<Only<6>>,
-    Integrator::radiance_for::<Only<7>>,
-    Integrator::radiance_for::<Only<8>>,
-    Integrator::radiance_for::<Only<9>>,
-    Integrator::radiance_for::<Only<10>>,
-    Integrator::radiance_for::<Only<11>>,
-    Integrator::radiance_for::<Only<12>>,
-    Integrator::radiance_for::<Only<13>>,
-    Integrator::radiance_for::<Only<14>>,
-    Integrator::radiance_for::<Only<15>>,
-];
+static RADIANCE: [RadianceFor; FeatureSet::COUNT] = for_each_feature_set!(Integrator::radiance_for);
 
 /// The scene's ambient light where nothing better is known.
 fn ambient(scene: &Scene) -> Vec3 {

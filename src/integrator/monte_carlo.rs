@@ -2,6 +2,7 @@ use super::direct::{Lit, direct_of_wave};
 use super::path::{Choice, Path};
 use super::{CameraSample, ambient, reflect, surfaces};
 use crate::accel::Traversal;
+use crate::illumination::SecondaryLight;
 use crate::material::Features;
 use crate::math::{Ray, to_world};
 use crate::sampling::{Dealt, cosine_hemisphere};
@@ -37,6 +38,7 @@ pub(super) fn radiance<F: Features>(
         scene,
         bounces,
         splits,
+        known: None,
         traversal,
         features: PhantomData,
     };
@@ -59,12 +61,15 @@ struct Branch {
     path: Path,
 }
 
-struct Estimator<'a, F> {
-    scene: &'a Scene,
-    bounces: u32,
-    splits: &'a [u32],
-    traversal: &'a mut Traversal,
-    features: PhantomData<F>,
+/// Follows paths.
+pub(super) struct Estimator<'a, F> {
+    pub(super) scene: &'a Scene,
+    pub(super) bounces: u32,
+    pub(super) splits: &'a [u32],
+    /// The light that is gathered beyond the first diffuse bounce, as far as it is known already.
+    pub(super) known: Option<&'a SecondaryLight>,
+    pub(super) traversal: &'a mut Traversal,
+    pub(super) features: PhantomData<F>,
 }
 
 impl<F: Features> Estimator<'_, F> {
@@ -111,7 +116,7 @@ impl<F: Features> Estimator<'_, F> {
     ///
     /// Every path's light is a sum over its own branches, in their order: it does not depend on which
     /// paths take their steps together.
-    fn leaving(
+    pub(super) fn leaving(
         &mut self,
         paths: &[Path],
         surfaces: &[Option<Surface>],
@@ -141,6 +146,9 @@ impl<F: Features> Estimator<'_, F> {
                 // What the camera sees, also through mirrors, is worth both.
                 self.gather(path, surface, diffuse, Vec3::ZERO, &mut branch);
                 follow_mirror::<F>(path, surface, mirror, &mut branch);
+            } else if let Some(light) = self.known(path, surface) {
+                radiance[parent] += diffuse * light;
+                follow_mirror::<F>(path, surface, mirror, &mut branch);
             } else {
                 self.gather(path, surface, diffuse, mirror, &mut branch);
             }
@@ -150,6 +158,15 @@ impl<F: Features> Estimator<'_, F> {
             }
         }
         self.follow(&mut branches, surfaces, radiance);
+    }
+
+    /// The light that arrives from the hemisphere at the end of a path, if it is known.
+    fn known(&self, path: &Path, surface: &Surface) -> Option<Vec3> {
+        let known = self.known?;
+        let point = &surface.point;
+        let distance = (point.position - path.ray.origin).length();
+        let left = self.bounces - path.depth;
+        known.light(point.position, point.shading_normal, left, distance)
     }
 
     /// Adds the light of branches to that of the paths that they go on from, which end at `surfaces`.

@@ -6,53 +6,83 @@ use crate::math::Ray;
 use crate::scene::{Scene, Surface};
 use glam::Vec3;
 
-/// The light along camera rays, given the surfaces that they see and the direct light there:
-/// local (1 - reflective) + reflective * (what the mirror sees), where local is ambient light once
-/// and the direct light.
+/// Rays after so many reflections that `bounces_left` more are counted; all lists are of one length.
+pub(super) struct Step {
+    pub(super) rays: Vec<Ray>,
+    /// The camera sample that each ray belongs to, and its share in that one's light.
+    pub(super) owners: Vec<(usize, Vec3)>,
+    /// What each ray sees.
+    pub(super) surfaces: Vec<Option<Surface>>,
+    /// The direct light there.
+    pub(super) lit: Vec<Vec3>,
+    pub(super) bounces_left: u32,
+}
+
+impl Step {
+    /// Of camera rays.
+    pub(super) fn first(
+        rays: Vec<Ray>,
+        surfaces: Vec<Option<Surface>>,
+        lit: Vec<Vec3>,
+        bounces_left: u32,
+    ) -> Step {
+        Step {
+            owners: (0..rays.len()).map(|n| (n, Vec3::ONE)).collect(),
+            rays,
+            surfaces,
+            lit,
+            bounces_left,
+        }
+    }
+}
+
+/// The light along camera rays: local (1 - reflective) + reflective * (what the mirror sees), where local is
+/// the direct light and what the surface makes of the indirect light, which `indirect` gives for each
+/// ray of a step.
 ///
 /// All rays are reflected together: neighbours mostly see the same mirror.
 pub(super) fn radiance<F: Features>(
     scene: &Scene,
-    mut rays: Vec<Ray>,
-    mut surfaces: Vec<Option<Surface>>,
-    mut lit: Vec<Vec3>,
-    bounces: u32,
+    mut step: Step,
+    indirect: impl Fn(&Step, &mut Traversal) -> Vec<Vec3>,
     traversal: &mut Traversal,
     radiance: &mut [Vec3],
 ) {
-    // The number of each ray, and its share in that one's light.
-    let mut owners: Vec<(usize, Vec3)> = (0..rays.len()).map(|n| (n, Vec3::ONE)).collect();
     radiance.fill(Vec3::ZERO);
-    for bounces_left in (0..=bounces).rev() {
+    loop {
+        let indirect = indirect(&step, traversal);
         let mut reflected = Vec::new();
         let mut mirrored = Vec::new();
-        for (((number, share), ray), (surface, lit)) in
-            owners.iter().zip(&rays).zip(surfaces.iter().zip(&lit))
-        {
+        for (i, (number, share)) in step.owners.iter().enumerate() {
             let sum = &mut radiance[*number];
-            let Some(surface) = surface else {
+            let Some(surface) = &step.surfaces[i] else {
                 *sum += share * scene.background;
                 continue;
             };
             let reflectance = &surface.reflectance;
-            let local = ambient(scene) * reflectance.diffuse + lit;
+            let local = indirect[i] * reflectance.diffuse + step.lit[i];
             *sum += share * reflectance.own::<F>() * local;
             let share = share * reflectance.mirror::<F>();
             if share == Vec3::ZERO {
                 continue;
             }
-            if bounces_left == 0 {
+            if step.bounces_left == 0 {
                 *sum += share * ambient(scene);
             } else {
-                reflected.push(reflect(surface, ray));
+                reflected.push(reflect(surface, &step.rays[i]));
                 mirrored.push((*number, share));
             }
         }
         if reflected.is_empty() {
             return;
         }
-        (rays, owners) = (reflected, mirrored);
-        surfaces = surfaces_of_neighbours::<F>(scene, &rays, traversal);
-        lit = direct_of_neighbours::<F>(scene, &surfaces, &rays, traversal);
+        let surfaces = surfaces_of_neighbours::<F>(scene, &reflected, traversal);
+        step = Step {
+            lit: direct_of_neighbours::<F>(scene, &surfaces, &reflected, traversal),
+            rays: reflected,
+            owners: mirrored,
+            surfaces,
+            bounces_left: step.bounces_left - 1,
+        };
     }
 }

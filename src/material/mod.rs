@@ -93,6 +93,12 @@ impl Reflectance {
             && (self.diffuse != Vec3::ZERO || F::HIGHLIGHTS && self.specular != Vec3::ZERO)
     }
 
+    /// Whether it makes anything of the light that arrives from its hemisphere.
+    #[inline]
+    pub fn gathers<F: Features>(&self) -> bool {
+        self.own::<F>() * self.diffuse != Vec3::ZERO
+    }
+
     /// The share of the light that is not a mirror's.
     #[inline]
     pub fn own<F: Features>(&self) -> Vec3 {

@@ -73,7 +73,7 @@ impl<'a> Sampler<'a> {
                 let splits = splits.iter().map(|&split| u64::from(split));
                 splits.fold(1, u64::saturating_mul)
             }
-            Integrator::RayTracing { .. } => 1,
+            Integrator::RayTracing { .. } | Integrator::Cached { .. } => 1,
         };
         let samples = (1_u64 << 24).min((1_u64 << 32) / paths);
         (samples as u32 / self.samples).max(1)

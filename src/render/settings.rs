@@ -39,7 +39,7 @@ impl RenderSettings {
     /// Whether frames have noise that may be measured and made less.
     pub fn has_noise(&self) -> bool {
         match self.integrator {
-            Integrator::RayTracing { .. } => false,
+            Integrator::RayTracing { .. } | Integrator::Cached { .. } => false,
             Integrator::MonteCarlo { bounces, .. } => {
                 bounces > 0 || matches!(self.sampling, PixelSampling::Spread(_))
             }

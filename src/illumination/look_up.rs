@@ -1,0 +1,138 @@
+use super::place::{HEIGHT, Place};
+use super::visible::Linear;
+use glam::Vec3;
+
+/// So many points are looked up together.
+pub(super) const LANES: usize = 16;
+
+type Lanes = [f32; LANES];
+
+/// Points, coordinate by coordinate, and the sums of what places say there. Plain loops over lanes, which
+/// become vector code; no lane knows of another.
+pub(super) struct LookUp {
+    position: [Lanes; 3],
+    normal: [Lanes; 3],
+    turn: f32,
+    sums: [Lanes; 3],
+    weights: Lanes,
+}
+
+impl LookUp {
+    /// Of up to [`LANES`] points with unit normals.
+    pub(super) fn new(points: impl Iterator<Item = (Vec3, Vec3)>, turn: f32) -> LookUp {
+        let mut look_up = LookUp {
+            position: [[0.0; LANES]; 3],
+            normal: [[0.0; LANES]; 3],
+            turn,
+            sums: [[0.0; LANES]; 3],
+            weights: [0.0; LANES],
+        };
+        for (lane, (position, normal)) in points.enumerate() {
+            for axis in 0..3 {
+                look_up.position[axis][lane] = position[axis];
+                look_up.normal[axis][lane] = normal[axis];
+            }
+        }
+        look_up
+    }
+
+    /// Adds what a place says, with its [`Place::weight`].
+    #[inline(always)]
+    pub(super) fn add(&mut self, place: &Place, light: &Linear) {
+        let [px, py, pz] = &self.position;
+        let [nx, ny, nz] = &self.normal;
+        let (p, n) = (place.position, place.normal);
+        let scale = 1.0 / (place.radius * place.radius);
+        let mut weights = [0.0; LANES];
+        for (lane, weight) in weights.iter_mut().enumerate() {
+            let (x, y, z) = (px[lane] - p.x, py[lane] - p.y, pz[lane] - p.z);
+            let height = x * n.x + y * n.y + z * n.z;
+            let squared = x * x + y * y + z * z + HEIGHT * height * height;
+            let cos = nx[lane] * n.x + ny[lane] * n.y + nz[lane] * n.z;
+            let rest = (1.0 - (squared * scale + (1.0 - cos) * self.turn)).max(0.0);
+            *weight = rest * rest * scale;
+        }
+        for plane in place.walls.planes() {
+            for (lane, weight) in weights.iter_mut().enumerate() {
+                let before = plane.x * px[lane] + plane.y * py[lane] + plane.z * pz[lane] + plane.w;
+                *weight = if before < 0.0 { 0.0 } else { *weight };
+            }
+        }
+        // Bits of numbers that are not below 0: any that is not 0 shows.
+        if weights.iter().fold(0, |any, w| any | w.to_bits()) == 0 {
+            return;
+        }
+        for (sum, weight) in self.weights.iter_mut().zip(weights) {
+            *sum += weight;
+        }
+        for (channel, sums) in self.sums.iter_mut().enumerate() {
+            let (middle, gradient) = (light.light[channel], light.gradient[channel]);
+            for (lane, sum) in sums.iter_mut().enumerate() {
+                let (x, y, z) = (px[lane] - p.x, py[lane] - p.y, pz[lane] - p.z);
+                let light = middle + (gradient.x * x + gradient.y * y + gradient.z * z);
+                *sum += weights[lane] * light;
+            }
+        }
+    }
+
+    /// What a lane's places say together; none if there are none.
+    pub(super) fn light(&self, lane: usize) -> Option<Vec3> {
+        let weight = self.weights[lane];
+        let sum = Vec3::from_array(self.sums.map(|lanes| lanes[lane]));
+        (weight > 0.0).then(|| (sum / weight).max(Vec3::ZERO))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Walls;
+    use super::*;
+    use crate::sampling::Random;
+
+    /// Lanes say what one point after the other would.
+    #[test]
+    fn lanes_agree_with_places_one_by_one() {
+        let mut random = Random::new(1);
+        let mut normal = move || random.vector(1.0).normalize();
+        let mut random = Random::new(2);
+        let points: Vec<(Vec3, Vec3)> =
+            (0..LANES).map(|_| (random.vector(1.0), normal())).collect();
+        let turn = 0.7;
+        let mut look_up = LookUp::new(points.iter().copied(), turn);
+        let mut sums = [(Vec3::ZERO, 0.0); LANES];
+        for _ in 0..400 {
+            let mut walls = Walls::default();
+            if random.below(3) == 0 {
+                walls.add(random.vector(1.0), normal(), 0.5);
+            }
+            let place = Place {
+                position: random.vector(1.0),
+                normal: normal(),
+                radius: 0.1 + random.unit(),
+                walls,
+            };
+            let light = Linear {
+                light: random.vector(1.0) + 1.0,
+                gradient: [0, 1, 2].map(|_| random.vector(0.3)),
+            };
+            look_up.add(&place, &light);
+            for ((position, normal), (sum, weights)) in points.iter().zip(&mut sums) {
+                let weight = place.weight(*position, *normal, turn, 1.0);
+                *sum += weight * light.at(position - place.position);
+                *weights += weight;
+            }
+        }
+        let mut known = 0;
+        for (lane, (sum, weights)) in sums.into_iter().enumerate() {
+            let expected = (weights > 0.0).then(|| (sum / weights).max(Vec3::ZERO));
+            known += usize::from(expected.is_some());
+            match (look_up.light(lane), expected) {
+                (Some(light), Some(expected)) => {
+                    assert!((light - expected).length() < 1e-5, "{light} {expected}");
+                }
+                (light, expected) => assert_eq!(light, expected),
+            }
+        }
+        assert!(known > LANES / 2);
+    }
+}

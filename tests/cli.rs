@@ -290,6 +290,46 @@ fn a_target_error_is_reached_in_every_frame() {
     assert!(errors.iter().all(|high| *high <= 0.02), "{errors:?}");
 }
 
+/// The light of a path is the same whichever of its frames are rendered, and none where nothing asks for it.
+#[test]
+fn light_of_the_path_is_the_same_for_parts_of_it() {
+    let out = tempfile::tempdir().unwrap();
+    let frames = |folder: &str, frames: &str| {
+        let folder = out.path().join(folder);
+        let more = ["--mode", "montecarlo", "--gi", "path", "--frames", frames];
+        let (status, said) = render_small("test2", "zoom", &folder, &more);
+        assert_eq!(status, Some(0), "{said}");
+        fs::read(folder.join("frame_00040.png")).unwrap()
+    };
+    assert!(frames("some", "0,40") == frames("one", "40"));
+    for (more, wrong) in [
+        (
+            &["--mode", "raytracing", "--gi", "path"][..],
+            "choose a montecarlo mode",
+        ),
+        (&["--gi", "often"], "neither exact nor path"),
+        (
+            &[
+                "--mode",
+                "montecarlo",
+                "--gi",
+                "path",
+                "--target-error",
+                "0.1",
+            ],
+            "leave out target_error",
+        ),
+        (
+            &["--mode", "montecarlo", "--gi", "path", "--aov", "error"],
+            "choose --gi exact",
+        ),
+    ] {
+        let (status, said) = render_small("test2", "zoom", &out.path().join("none"), more);
+        assert_eq!(status, Some(2));
+        assert!(said.contains(wrong), "{said}");
+    }
+}
+
 #[test]
 fn quiet_says_nothing() {
     let out = tempfile::tempdir().unwrap();

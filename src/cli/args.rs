@@ -1,5 +1,5 @@
 use super::frames::FrameRanges;
-use crate::input::{Mode, Settings};
+use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::output::FrameFormat;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZeroUsize;
@@ -156,6 +156,11 @@ pub(super) struct SettingsArguments {
     /// [default: the samples given]
     #[arg(long, value_name = "X")]
     target_error: Option<f64>,
+    /// How the montecarlo modes know the light that is gathered at what the camera sees: exact, at every
+    /// camera sample, or path, worked out once for the whole path and looked up: many times as fast, without
+    /// flicker, and off by a few thousandths on average [default: exact]
+    #[arg(long, value_name = "HOW")]
+    gi: Option<GlobalIllumination>,
 }
 
 impl SettingsArguments {
@@ -170,6 +175,7 @@ impl SettingsArguments {
             lock_seed: self.lock_seed.then_some(true),
             exposure: self.exposure,
             target_error: self.target_error,
+            gi: self.gi,
         }
     }
 }

@@ -1,10 +1,17 @@
 use super::args::RenderArguments;
 use super::loading::load;
-use super::progress::{SequenceProgress, Steps, clock, rays_per_second};
+use super::progress::{SequenceProgress, ShareProgress, Steps, clock, rays_per_second};
 use super::{Failure, Status, warn};
+use crate::bake::{BakeSettings, UNKNOWN_PATHS, bake};
+use crate::camera::CameraPath;
+use crate::illumination::Illumination;
+use crate::input::GlobalIllumination;
+use crate::integrator::Integrator;
 use crate::output::{FrameFolder, FrameFormat, FrameStorage, Manifest, SequenceInfo};
 use crate::render::{ErrorEstimate, render_sequence, tile_count};
+use crate::scene::Scene;
 use std::io::Write;
+use std::sync::Arc;
 use std::time::Instant;
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
@@ -16,8 +23,12 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     let (scene, path) = (loaded.scene, loaded.path);
     let given = flags.or(path.settings).or(scene.settings);
     given.check_together()?;
-    let settings = given.resolve();
+    let mut settings = given.resolve();
+    let looks_up = given.gi == Some(GlobalIllumination::Path);
     let exposure = given.exposure.unwrap_or(0.0);
+    if arguments.aov.is_some() && looks_up {
+        return Err("--aov error: light that is looked up has no halves; choose --gi exact".into());
+    }
     if arguments.aov.is_some() && !settings.has_noise() {
         return Err("--aov error: nothing is left to chance here; choose a montecarlo mode".into());
     }
@@ -30,7 +41,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     };
     let format = FrameFormat::from(arguments.format);
     let decisive = format!(
-        "{settings:?} {exposure} {format:?} {}",
+        "{settings:?} {:?} {exposure} {format:?} {}",
+        given.gi.unwrap_or_default(),
         env!("CARGO_PKG_VERSION")
     );
     let mut fingerprint = blake3::Hasher::new();
@@ -55,6 +67,28 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
         .copied()
         .filter(|&frame| arguments.force || !folder.has(frame))
         .collect();
+    if looks_up
+        && !missing.is_empty()
+        && let Integrator::MonteCarlo { bounces, .. } = settings.integrator
+    {
+        let bake_settings = BakeSettings {
+            width: settings.width,
+            height: settings.height,
+            bounces,
+            seed: settings.seed,
+        };
+        let illumination = bake_light(
+            &loaded.pool,
+            &scene.scene,
+            &path.path,
+            &bake_settings,
+            arguments.quiet,
+        );
+        settings.integrator = Integrator::Cached {
+            illumination: Arc::new(illumination),
+            paths: UNKNOWN_PATHS,
+        };
+    }
     // How many samples a frame will need until it is good enough nobody knows: it counts as a whole.
     let steps = match settings.target_error {
         Some(_) => Steps::Frames,
@@ -117,6 +151,31 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     } else {
         Status::SomeFailed
     })
+}
+
+/// Works out the light of a path and says what it took.
+fn bake_light(
+    pool: &rayon::ThreadPool,
+    scene: &Scene,
+    path: &CameraPath,
+    settings: &BakeSettings,
+    quiet: bool,
+) -> Illumination {
+    let start = Instant::now();
+    let progress = ShareProgress::new(quiet);
+    let listener = |share, what| progress.at(share, what);
+    let illumination = pool.install(|| bake(scene, path, settings, &listener));
+    progress.finish();
+    if !quiet {
+        let [visible, secondary] = illumination.place_count();
+        let _ = writeln!(
+            std::io::stdout(),
+            "light of the path worked out in {}: {visible} places that the camera sees, {secondary} beyond, {:.1} MB",
+            clock(start.elapsed()),
+            illumination.memory() as f64 / 1e6
+        );
+    }
+    illumination
 }
 
 /// The errors of the frames that were rendered; none where nothing was left to chance.

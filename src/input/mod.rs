@@ -24,4 +24,4 @@ pub use camera_path_file::{CameraPathInput, load_camera_path};
 pub use error::InputError;
 pub use files::InputFiles;
 pub use scene_loader::{SceneInput, load_scene};
-pub use settings_file::{LEAST_TARGET_ERROR, Mode, Settings, SettingsError};
+pub use settings_file::{GlobalIllumination, LEAST_TARGET_ERROR, Mode, Settings, SettingsError};

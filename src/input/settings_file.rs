@@ -56,6 +56,37 @@ impl fmt::Display for Mode {
     }
 }
 
+/// How the montecarlo modes know the light that is gathered at what the camera sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(try_from = "String")]
+pub enum GlobalIllumination {
+    /// It is gathered at every camera sample.
+    #[default]
+    Exact,
+    /// It is worked out once for the whole camera path, and looked up.
+    Path,
+}
+
+impl FromStr for GlobalIllumination {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<GlobalIllumination, String> {
+        match name {
+            "exact" => Ok(GlobalIllumination::Exact),
+            "path" => Ok(GlobalIllumination::Path),
+            _ => Err(format!("\"{name}\" is neither exact nor path")),
+        }
+    }
+}
+
+impl TryFrom<String> for GlobalIllumination {
+    type Error = String;
+
+    fn try_from(name: String) -> Result<GlobalIllumination, String> {
+        name.parse()
+    }
+}
+
 /// Render settings as far as one source gives them: a scene file, a path file or the command line.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -78,6 +109,8 @@ pub struct Settings {
     pub exposure: Option<f32>,
     /// Samples are added until a frame's relMSE is below this.
     pub target_error: Option<f64>,
+    /// How gathered light is known.
+    pub gi: Option<GlobalIllumination>,
 }
 
 /// A frame of 16,384 x 16,384: many gigabytes while it is rendered, about 20 in the montecarlo modes.
@@ -109,6 +142,7 @@ impl Settings {
             lock_seed: self.lock_seed.or(weaker.lock_seed),
             exposure: self.exposure.or(weaker.exposure),
             target_error: self.target_error.or(weaker.target_error),
+            gi: self.gi.or(weaker.gi),
         }
     }
 
@@ -169,6 +203,19 @@ impl Settings {
                 key: "target_error",
                 message: format!("{mode} has no noise to be made less; choose a montecarlo mode"),
             });
+        }
+        if self.gi == Some(GlobalIllumination::Path) {
+            let wrong = |message: String| SettingsError { key: "gi", message };
+            if !by_chance {
+                return Err(wrong(format!(
+                    "{mode} gathers no light; choose a montecarlo mode"
+                )));
+            }
+            if self.target_error.is_some() {
+                return Err(wrong(
+                    "light that is looked up gets no better by more samples; leave out target_error, or choose exact".to_owned(),
+                ));
+            }
         }
         Ok(())
     }
@@ -239,6 +286,26 @@ mod tests {
             Integrator::MonteCarlo { bounces: 2, splits }
         );
         assert_eq!((resolved.width, resolved.height), (1280, 720));
+    }
+
+    #[test]
+    fn refuses_settings_that_do_not_go_together() {
+        let path = Settings {
+            gi: Some(GlobalIllumination::Path),
+            ..Settings::default()
+        };
+        let refused = |settings: &Settings| settings.check_together().err().map(|e| e.key);
+        assert_eq!(refused(&path), Some("gi"));
+        let montecarlo = Settings {
+            mode: Some(Mode::Montecarlo),
+            ..path
+        };
+        assert_eq!(refused(&montecarlo), None);
+        let targeted = Settings {
+            target_error: Some(0.01),
+            ..montecarlo
+        };
+        assert_eq!(refused(&targeted), Some("gi"));
     }
 
     #[test]

@@ -1,0 +1,193 @@
+//! Indirect light worked out once for a whole camera path.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod support;
+
+use flythrough::bake::{BakeSettings, UNKNOWN_PATHS, bake};
+use flythrough::camera::{CameraPath, Interpolation, Keyframe, Orientation};
+use flythrough::integrator::Integrator;
+use flythrough::scene::Scene;
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
+use support::*;
+
+const SIZE: (u32, u32) = (64, 48);
+
+/// A path from one eye to another that looks at a point, of nine frames.
+fn glide(eyes: [DVec3; 2], target: DVec3) -> CameraPath {
+    let key = |(time, position): (f64, DVec3)| Keyframe {
+        time,
+        position,
+        orientation: Orientation::LookAt(target),
+        field_of_view: 60_f64.to_radians(),
+    };
+    let keys: Vec<Keyframe> = [0.0, 1.0].into_iter().zip(eyes).map(key).collect();
+    CameraPath::new(8.0, Interpolation::Linear, &keys).unwrap()
+}
+
+/// Looks up the light that is worked out for a path.
+fn cached(scene: &Scene, path: &CameraPath, bounces: u32) -> Integrator {
+    let settings = BakeSettings {
+        width: SIZE.0,
+        height: SIZE.1,
+        bounces,
+        seed: 0,
+    };
+    Integrator::Cached {
+        illumination: Arc::new(bake(scene, path, &settings, &|_, _| ())),
+        paths: UNKNOWN_PATHS,
+    }
+}
+
+/// The pixels of a frame by an integrator.
+fn frame(scene: &Scene, path: &CameraPath, integrator: &Integrator, frame: u32) -> Vec<Vec3> {
+    let settings = settings(integrator.clone(), SIZE.0, SIZE.1);
+    render(scene, &path.camera(frame), &settings)
+}
+
+fn mean(pixels: &[Vec3]) -> Vec3 {
+    pixels.iter().sum::<Vec3>() / pixels.len() as f32
+}
+
+/// Of pixels against a reference of little noise.
+fn relative_square_error(pixels: &[Vec3], reference: &[Vec3]) -> f32 {
+    let error = |(x, r): (&Vec3, &Vec3)| ((x - r).powf(2.0) / (r * r + 0.01)).element_sum() / 3.0;
+    pixels.iter().zip(reference).map(error).sum::<f32>() / pixels.len() as f32
+}
+
+/// Inside a sphere of radius R a light of intensity I anywhere gives the wall the irradiance
+/// rho^k I / R^2 by bounce k, the same everywhere.
+#[test]
+fn light_inside_a_sphere_for_every_number_of_bounces() {
+    let albedo = Vec3::new(0.9, 0.5, 0.2);
+    let scene = scene(&format!(
+        "Scene(
+            materials: {{\"m\": (diffuse: (0.9, 0.5, 0.2))}},
+            lights: [{}],
+            objects: [sphere(center: (5, -2, 7), radius: 2, material: \"m\")],
+        )",
+        light("(5.9, -1.2, 7.4)", 3.0)
+    ));
+    let eyes = [DVec3::new(4.5, -2.5, 6.5), DVec3::new(4.9, -1.5, 7.5)];
+    let path = glide(eyes, DVec3::new(3.0, -3.0, 9.0));
+    let direct = frame(&scene, &path, &cached(&scene, &path, 0), 4);
+    for bounces in 1..=4 {
+        let pixels = frame(&scene, &path, &cached(&scene, &path, bounces), 4);
+        let expected: Vec3 = (1..=bounces as i32)
+            .map(|k| albedo * albedo.powf(k as f32) * 3.0 / (4.0 * PI as f32))
+            .sum();
+        let indirect: Vec<Vec3> = pixels.iter().zip(&direct).map(|(all, d)| all - d).collect();
+        let bias = mean(&indirect) / expected - 1.0;
+        assert!(bias.abs().max_element() < 0.005, "{bounces}: {bias}");
+        let squares = indirect.iter().map(|x| (x / expected - 1.0).powf(2.0));
+        let square = squares.sum::<Vec3>() / indirect.len() as f32;
+        assert!(square.max_element() < 0.03 * 0.03, "{bounces}: {square}");
+    }
+}
+
+/// A box of white walls: corners, edges, and a ball on the floor; a mirror; a highlight.
+#[test]
+fn a_room_agrees_with_paths_of_which_nothing_is_looked_up() {
+    let scene = shipped_scene("test3.ron");
+    let path = glide(
+        [DVec3::new(-0.5, 0.0, 3.0), DVec3::new(0.5, 0.1, 2.6)],
+        DVec3::new(0.0, -0.1, 0.0),
+    );
+    let cached = cached(&scene, &path, 4);
+    for number in [0, 8] {
+        let pixels = frame(&scene, &path, &cached, number);
+        let reference = frame(&scene, &path, &monte_carlo(4, &[1024]), number);
+        let error = relative_square_error(&pixels, &reference);
+        // In units of a display white of 1, where this room is darker than in its own exposure.
+        assert!(error < 0.001, "{number}: {error}");
+        let bias = mean(&pixels) / mean(&reference) - 1.0;
+        assert!(bias.abs().max_element() < 0.01, "{number}: {bias}");
+    }
+}
+
+/// A bright room beside a dark one, a thin wall between them: no light comes through.
+#[test]
+fn a_closed_room_stays_dark() {
+    let quad = |[a, b, c, d]: [&str; 4]| {
+        format!(
+            "triangle(vertices: [{a}, {b}, {c}], material: \"grey\"),
+             triangle(vertices: [{a}, {c}, {d}], material: \"grey\"),"
+        )
+    };
+    let box_of = |x0: f64, x1: f64| {
+        let corner = |x: f64, y: i32, z: i32| format!("({x}, {y}, {z})");
+        let [a, b, c, d] = [(0, 0), (2, 0), (2, 2), (0, 2)].map(|(y, z)| corner(x0, y, z));
+        let [e, f, g, h] = [(0, 0), (2, 0), (2, 2), (0, 2)].map(|(y, z)| corner(x1, y, z));
+        [
+            quad([&a, &b, &c, &d]),
+            quad([&e, &f, &g, &h]),
+            quad([&a, &e, &f, &b]),
+            quad([&d, &h, &g, &c]),
+            quad([&a, &e, &h, &d]),
+            quad([&b, &f, &g, &c]),
+        ]
+        .concat()
+    };
+    let scene = scene(&format!(
+        "Scene({GREY} lights: [{}], objects: [{}{}])",
+        light("(-1, 1, 1)", 5.0),
+        box_of(-2.0, -0.005),
+        box_of(0.005, 2.0)
+    ));
+    // From one room into the other: places lie on both sides of the wall.
+    let path = glide(
+        [DVec3::new(-1.8, 1.2, 1.7), DVec3::new(1.8, 1.2, 1.7)],
+        DVec3::new(0.0, 0.1, 0.3),
+    );
+    let cached = cached(&scene, &path, 4);
+    let bright = frame(&scene, &path, &cached, 0);
+    assert!(bright.iter().all(|pixel| pixel.min_element() > 0.01));
+    let dark = frame(&scene, &path, &cached, 8);
+    assert!(
+        dark.iter().all(|pixel| *pixel == Vec3::ZERO),
+        "{}",
+        mean(&dark)
+    );
+}
+
+/// The same bits for any number of threads.
+#[test]
+fn threads_do_not_matter() {
+    let scene = shipped_scene("test2.ron");
+    let path = glide(
+        [DVec3::new(-0.3, 1.5, 3.7), DVec3::new(0.3, 1.4, 3.2)],
+        DVec3::new(0.1, 1.0, -1.0),
+    );
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let cached = cached(&scene, &path, 3);
+            [0, 5].map(|number| frame(&scene, &path, &cached, number))
+        })
+    };
+    let one = on(1);
+    assert!(one == on(2));
+    assert!(one == on(4));
+}
+
+/// Where nothing reflects light, nothing is gathered, and there are no places; nor in an empty scene.
+#[test]
+fn nothing_to_gather() {
+    let black = format!(
+        "Scene(materials: {{\"black\": ()}}, background: (1, 1, 1), objects: [{}])",
+        plate(0.0, 3.0, "black")
+    );
+    for text in [&*black, "Scene(background: (1, 1, 1), objects: [])"] {
+        let scene = scene(text);
+        let eyes = [DVec3::new(0.0, 1.0, 3.0), DVec3::new(0.0, 1.0, 2.0)];
+        let path = glide(eyes, DVec3::ZERO);
+        let cached = cached(&scene, &path, 4);
+        let Integrator::Cached { illumination, .. } = &cached else {
+            panic!("it is cached");
+        };
+        assert_eq!(illumination.place_count(), [0, 0]);
+        let exact = frame(&scene, &path, &monte_carlo(4, &[1]), 3);
+        assert_eq!(frame(&scene, &path, &cached, 3), exact);
+    }
+}

@@ -1,0 +1,141 @@
+//! Indirect light worked out for a whole path, beside direct light alone:
+//! `cargo bench --bench indirect -- SCENE PATH 1280x720`.
+//!
+//! Seconds of the bake and of frames with four camera samples for each pixel, and the error at pixels chosen
+//! by chance against paths of which nothing is looked up. Seconds of frames are the least of three runs, on
+//! all threads.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a benchmark prints or fails"
+)]
+
+use flythrough::bake::{BakeSettings, UNKNOWN_PATHS, bake};
+use flythrough::input::{InputFiles, Mode, Settings, load_camera_path, load_scene};
+use flythrough::integrator::Integrator;
+use flythrough::metrics::{BiasCheck, HeldOutPixel};
+use flythrough::render::{PixelSampling, RenderSettings, render_frame, render_pixels};
+use flythrough::sampling::Random;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Frames that are timed and looked at.
+const FRAMES: u32 = 6;
+
+/// Pixels of each frame whose error is looked at, and paths of each of them.
+const PIXELS: usize = 300;
+const PATHS: u32 = 1024;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().filter(|a| a != "--bench").collect();
+    let [_, scene, path, size] = &arguments[..] else {
+        println!("cargo bench --bench indirect -- SCENE PATH 1280x720");
+        return;
+    };
+    let files = &mut InputFiles::default();
+    let scene = load_scene(Path::new(scene), files).unwrap();
+    let path = load_camera_path(Path::new(path), files).unwrap();
+    let (width, height) = size.split_once('x').unwrap();
+    let given = Settings {
+        mode: Some(Mode::Montecarlo),
+        size: Some((width.parse().unwrap(), height.parse().unwrap())),
+        splits: Some(vec![PATHS]),
+        samples: None,
+        target_error: None,
+        ..path.settings.or(scene.settings)
+    };
+    let (scene, path) = (scene.scene, path.path);
+    let exact = given.resolve();
+    let Integrator::MonteCarlo { bounces, .. } = exact.integrator else {
+        return;
+    };
+
+    let start = Instant::now();
+    let settings = BakeSettings {
+        width: exact.width,
+        height: exact.height,
+        bounces,
+        seed: exact.seed,
+    };
+    let illumination = Arc::new(bake(&scene, &path, &settings, &|_, _| ()));
+    let baked = start.elapsed().as_secs_f64();
+    let [visible, secondary] = illumination.place_count();
+    println!(
+        "bake: {baked:.2} s, {visible} visible places, {secondary} secondary, {:.1} MB",
+        illumination.memory() as f64 / 1e6
+    );
+
+    let cached = RenderSettings {
+        integrator: Integrator::Cached {
+            illumination,
+            paths: UNKNOWN_PATHS,
+        },
+        ..exact.clone()
+    };
+    let direct = RenderSettings {
+        integrator: Integrator::RayTracing { bounces },
+        ..exact.clone()
+    };
+    let count = path.timeline().frame_count();
+    let middle = |part: u32| (2 * part + 1) * count / (2 * FRAMES);
+    let frames: Vec<u32> = (0..FRAMES).map(middle).collect();
+    let [(direct, direct_rays), (with, rays)] = [&direct, &cached].map(|settings| {
+        let sampling = PixelSampling::Spread(4);
+        let settings = RenderSettings {
+            sampling,
+            ..settings.clone()
+        };
+        let run = |&frame: &u32| {
+            let start = Instant::now();
+            let camera = path.camera(frame);
+            let rays = render_frame(&scene, &camera, &settings, frame, &|_| ()).rays;
+            (start.elapsed().as_secs_f64(), rays as f64)
+        };
+        let best = |frame: &u32| {
+            let runs = [(); 3].map(|()| run(frame));
+            let seconds = runs.iter().map(|(seconds, _)| *seconds);
+            (seconds.fold(f64::INFINITY, f64::min), runs[0].1)
+        };
+        let all = frames.iter().map(best);
+        let (seconds, rays) = all.fold((0.0, 0.0), |sum, run| (sum.0 + run.0, sum.1 + run.1));
+        (seconds / f64::from(FRAMES), rays / f64::from(FRAMES))
+    });
+    let all = f64::from(count);
+    println!(
+        "frame: {direct:.4} s with direct light alone, {with:.4} s with indirect light: {:.2} times as long, \
+         {:.3} times the rays; with the bake, in {count} frames: {:.2} times",
+        with / direct,
+        rays / direct_rays,
+        (baked / all + with) / direct
+    );
+
+    let exposure = given.exposure.unwrap_or(0.0);
+    let mut random = Random::new(5);
+    let mut everywhere = Vec::new();
+    for frame in frames {
+        let pixel = |_| {
+            let [x, y] = [exact.width, exact.height].map(|n| random.below(n as usize) as u32);
+            (x, y)
+        };
+        let pixels: Vec<(u32, u32)> = (0..PIXELS).map(pixel).collect();
+        let of = |settings| render_pixels(&scene, &path.camera(frame), settings, frame, &pixels);
+        let both = of(&cached).into_iter().zip(of(&exact));
+        let held_out = both.map(|(technique, oracle)| HeldOutPixel { technique, oracle });
+        let held_out: Vec<HeldOutPixel> = held_out.collect();
+        print_error(&format!("frame {frame}"), &held_out, exposure);
+        everywhere.extend(held_out);
+    }
+    print_error("all frames", &everywhere, exposure);
+}
+
+fn print_error(name: &str, pixels: &[HeldOutPixel], exposure: f32) {
+    let check = BiasCheck::of(pixels, exposure);
+    println!(
+        "{name}: relMSE {:.6} +- {:.6}, mean {:+.3} % +- {:.3} %",
+        check.squared_bias.mean,
+        1.96 * check.squared_bias.error,
+        100.0 * check.mean_bias.mean,
+        196.0 * check.mean_bias.error
+    );
+}

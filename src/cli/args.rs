@@ -157,8 +157,8 @@ pub(super) struct SettingsArguments {
     #[arg(long, value_name = "X")]
     target_error: Option<f64>,
     /// How the montecarlo modes know the light that is gathered at what the camera sees: exact, at every
-    /// camera sample, or path, worked out once for the whole path and looked up: many times as fast, without
-    /// flicker, and off by a few thousandths on average [default: exact]
+    /// camera sample, or path, worked out once for the whole path and looked up: many times as fast, and off by
+    /// a few thousandths on average [default: exact]
     #[arg(long, value_name = "HOW")]
     gi: Option<GlobalIllumination>,
 }

@@ -54,14 +54,7 @@ fn light_by_the_wall_of_a_sphere() {
 
 fn lit_alike_all_over(position: &str) -> Scene {
     const ALBEDO: [f64; 3] = [0.9, 0.5, 0.2];
-    let scene = scene(&format!(
-        "Scene(
-            materials: {{\"m\": (diffuse: (0.9, 0.5, 0.2))}},
-            lights: [{}],
-            objects: [sphere(center: (5, -2, 7), radius: 2, material: \"m\")],
-        )",
-        light(position, 3.0)
-    ));
+    let scene = inside_of_a_sphere(position);
     let eye = DVec3::new(4.5, -2.5, 6.5);
     for target in [DVec3::new(9.0, -2.0, 6.0), DVec3::new(3.0, -3.0, 9.0)] {
         // The same paths with one bounce more differ by the light of that bounce.

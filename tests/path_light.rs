@@ -61,14 +61,7 @@ fn relative_square_error(pixels: &[Vec3], reference: &[Vec3]) -> f32 {
 #[test]
 fn light_inside_a_sphere_for_every_number_of_bounces() {
     let albedo = Vec3::new(0.9, 0.5, 0.2);
-    let scene = scene(&format!(
-        "Scene(
-            materials: {{\"m\": (diffuse: (0.9, 0.5, 0.2))}},
-            lights: [{}],
-            objects: [sphere(center: (5, -2, 7), radius: 2, material: \"m\")],
-        )",
-        light("(5.9, -1.2, 7.4)", 3.0)
-    ));
+    let scene = inside_of_a_sphere("(5.9, -1.2, 7.4)");
     let eyes = [DVec3::new(4.5, -2.5, 6.5), DVec3::new(4.9, -1.5, 7.5)];
     let path = glide(eyes, DVec3::new(3.0, -3.0, 9.0));
     let direct = frame(&scene, &path, &cached(&scene, &path, 0), 4);
@@ -86,7 +79,7 @@ fn light_inside_a_sphere_for_every_number_of_bounces() {
     }
 }
 
-/// A box of white walls: corners, edges, and a ball on the floor; a mirror; a highlight.
+/// A box of white walls: corners, edges, and a ball on the floor, and a mirror.
 #[test]
 fn a_room_agrees_with_paths_of_which_nothing_is_looked_up() {
     let scene = shipped_scene("test3.ron");

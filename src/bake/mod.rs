@@ -21,6 +21,7 @@ use candidates::{Film, candidates};
 use light::{Gathering, Purpose};
 use order::spread;
 use placement::{Candidate, Density, Placement};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What light is worked out for.
 #[derive(Clone, Copy, Debug)]
@@ -107,9 +108,9 @@ pub fn bake(
         known.levels.push(level);
     }
     let all: usize = visible.iter().map(|placement| placement.points.len()).sum();
-    let done = std::sync::atomic::AtomicUsize::new(0);
+    let done = AtomicUsize::new(0);
     let gathered = || {
-        let before = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        let before = done.fetch_add(1, Ordering::Relaxed);
         if before.is_multiple_of(256) {
             listener(0.5 + 0.5 * before as f64 / all as f64, "visible light");
         }

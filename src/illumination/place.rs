@@ -39,7 +39,7 @@ impl Walls {
         const SLACK: f32 = 0.001;
         let is_there = self.planes().iter().any(|plane| {
             let is_parallel = plane.truncate().dot(normal) > 1.0 - SAME * SAME;
-            is_parallel && behind(*plane, point).abs() < SAME * distance
+            is_parallel && before(*plane, point).abs() < SAME * distance
         });
         if !is_there && self.count < Walls::MOST {
             let offset = normal.dot(point) - SLACK * distance;
@@ -58,13 +58,13 @@ impl Walls {
     fn hide(&self, position: Vec3) -> bool {
         self.planes()
             .iter()
-            .any(|plane| behind(*plane, position) < 0.0)
+            .any(|plane| before(*plane, position) < 0.0)
     }
 }
 
 /// How far a point is before a plane; below 0 behind it.
 #[inline]
-fn behind(plane: Vec4, point: Vec3) -> f32 {
+fn before(plane: Vec4, point: Vec3) -> f32 {
     plane.x * point.x + plane.y * point.y + plane.z * point.z + plane.w
 }
 

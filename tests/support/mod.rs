@@ -49,6 +49,18 @@ pub(crate) fn light(position: &str, intensity: f64) -> String {
     format!("(position: {position}, intensity: ({intensity}, {intensity}, {intensity})),")
 }
 
+/// The inside of a sphere of radius 2 about (5, -2, 7), of albedo (0.9, 0.5, 0.2), and a light of intensity 3.
+pub(crate) fn inside_of_a_sphere(light_position: &str) -> Scene {
+    scene(&format!(
+        "Scene(
+            materials: {{\"m\": (diffuse: (0.9, 0.5, 0.2))}},
+            lights: [{}],
+            objects: [sphere(center: (5, -2, 7), radius: 2, material: \"m\")],
+        )",
+        light(light_position, 3.0)
+    ))
+}
+
 pub(crate) const GREY: &str = "materials: {\"grey\": (diffuse: (0.5, 0.5, 0.5))},";
 
 /// A camera that looks from a point to another, its vertical field of view in degrees.

@@ -118,9 +118,11 @@ pub fn bake(
     let light = |(left, placement): (u32, Placement)| {
         let gathering = gathering(left, PATHS, Purpose::VisibleLight);
         let light = gathering.light(&placement.points, &known, &gathered);
+        let (places, order) = placement.places.settled(scene.bounds());
+        let light: Vec<glam::Vec3> = order.iter().map(|n| light[*n as usize]).collect();
         VisibleLight {
-            light: fit::fit(&placement.places, &light),
-            places: placement.places,
+            light: fit::fit(&places, &light),
+            places,
         }
     };
     let visible = (1..).zip(visible).map(light).collect();

@@ -1,5 +1,6 @@
 use super::place::{HEIGHT, Place};
 use super::visible::Linear;
+use crate::math::Aabb;
 use glam::Vec3;
 
 /// So many points are looked up together.
@@ -13,21 +14,28 @@ pub(super) struct LookUp {
     position: [Lanes; 3],
     normal: [Lanes; 3],
     turn: f32,
+    /// The middle of the points, and how far they are from it.
+    center: Vec3,
+    extent: f32,
     sums: [Lanes; 3],
     weights: Lanes,
 }
 
 impl LookUp {
-    /// Of up to [`LANES`] points with unit normals.
-    pub(super) fn new(points: impl Iterator<Item = (Vec3, Vec3)>, turn: f32) -> LookUp {
+    /// Of up to [`LANES`] points with unit normals, one at least.
+    pub(super) fn new(points: impl Iterator<Item = (Vec3, Vec3)> + Clone, turn: f32) -> LookUp {
+        let bounds = Aabb::of(points.clone().map(|(position, _)| position));
         let mut look_up = LookUp {
             position: [[0.0; LANES]; 3],
             normal: [[0.0; LANES]; 3],
             turn,
+            center: bounds.center(),
+            extent: 0.5 * bounds.extent().length(),
             sums: [[0.0; LANES]; 3],
             weights: [0.0; LANES],
         };
-        for (lane, (position, normal)) in points.enumerate() {
+        // Lanes that are left over repeat the points.
+        for (lane, (position, normal)) in points.cycle().take(LANES).enumerate() {
             for axis in 0..3 {
                 look_up.position[axis][lane] = position[axis];
                 look_up.normal[axis][lane] = normal[axis];
@@ -36,9 +44,20 @@ impl LookUp {
         look_up
     }
 
+    /// Whether a place may reach any of the points.
+    #[inline]
+    fn may_reach(&self, place: &Place) -> bool {
+        const ROUNDING: f32 = 1.001;
+        let reach = ROUNDING * (place.radius + self.extent);
+        place.position.distance_squared(self.center) < reach * reach
+    }
+
     /// Adds what a place says, with its [`Place::weight`].
     #[inline(always)]
     pub(super) fn add(&mut self, place: &Place, light: &Linear) {
+        if !self.may_reach(place) {
+            return;
+        }
         let [px, py, pz] = &self.position;
         let [nx, ny, nz] = &self.normal;
         let (p, n) = (place.position, place.normal);
@@ -52,15 +71,14 @@ impl LookUp {
             let rest = (1.0 - (squared * scale + (1.0 - cos) * self.turn)).max(0.0);
             *weight = rest * rest * scale;
         }
+        if is_none(&weights) {
+            return;
+        }
         for plane in place.walls.planes() {
             for (lane, weight) in weights.iter_mut().enumerate() {
                 let before = plane.x * px[lane] + plane.y * py[lane] + plane.z * pz[lane] + plane.w;
                 *weight = if before < 0.0 { 0.0 } else { *weight };
             }
-        }
-        // Bits of numbers that are not below 0: any that is not 0 shows.
-        if weights.iter().fold(0, |any, w| any | w.to_bits()) == 0 {
-            return;
         }
         for (sum, weight) in self.weights.iter_mut().zip(weights) {
             *sum += weight;
@@ -81,6 +99,11 @@ impl LookUp {
         let sum = Vec3::from_array(self.sums.map(|lanes| lanes[lane]));
         (weight > 0.0).then(|| (sum / weight).max(Vec3::ZERO))
     }
+}
+
+/// Whether no weight is above 0; none is below.
+fn is_none(weights: &Lanes) -> bool {
+    weights.iter().fold(0, |any, w| any | w.to_bits()) == 0
 }
 
 #[cfg(test)]

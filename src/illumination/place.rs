@@ -8,7 +8,7 @@ const FLATNESS: f32 = 5.0;
 pub(super) const HEIGHT: f32 = FLATNESS * FLATNESS - 1.0;
 
 /// A disc of a surface that one value stands for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Place {
     /// The middle, relative to the scene's origin.
     pub position: Vec3,
@@ -21,10 +21,10 @@ pub struct Place {
 }
 
 /// Planes of surfaces that a place sees within its radius: what lies behind them has light of its own.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Walls {
-    planes: [Vec4; Walls::MOST],
-    count: usize,
+    /// Most places have none, and pay for none.
+    planes: Vec<Vec4>,
 }
 
 impl Walls {
@@ -41,17 +41,16 @@ impl Walls {
             let is_parallel = plane.truncate().dot(normal) > 1.0 - SAME * SAME;
             is_parallel && before(*plane, point).abs() < SAME * distance
         });
-        if !is_there && self.count < Walls::MOST {
+        if !is_there && self.planes.len() < Walls::MOST {
             let offset = normal.dot(point) - SLACK * distance;
-            self.planes[self.count] = normal.extend(-offset);
-            self.count += 1;
+            self.planes.push(normal.extend(-offset));
         }
     }
 
     /// The planes, which points before them have a product with, and one, that is not below 0.
     #[inline]
     pub(super) fn planes(&self) -> &[Vec4] {
-        &self.planes[..self.count]
+        &self.planes
     }
 
     #[inline]
@@ -70,12 +69,9 @@ fn before(plane: Vec4, point: Vec3) -> f32 {
 
 impl Place {
     /// The square of the distance of a point of a surface, in radii. It grows, too, by `turn` times one less
-    /// the cosine of the angle between the normals, and is infinite behind walls.
+    /// the cosine of the angle between the normals. Walls are not looked at.
     #[inline]
-    pub fn distance_squared(&self, position: Vec3, normal: Vec3, turn: f32) -> f32 {
-        if self.walls.hide(position) {
-            return f32::INFINITY;
-        }
+    fn distance_squared(&self, position: Vec3, normal: Vec3, turn: f32) -> f32 {
         let way = position - self.position;
         let height = way.dot(self.normal);
         let squared = way.length_squared() + HEIGHT * height * height;
@@ -87,8 +83,12 @@ impl Place {
     #[inline]
     pub fn weight(&self, position: Vec3, normal: Vec3, turn: f32, reach: f32) -> f32 {
         let squared = self.distance_squared(position, normal, turn);
-        let rest = (reach * reach - squared).max(0.0);
-        rest * rest / (self.radius * self.radius)
+        let rest = reach * reach - squared;
+        if rest > 0.0 && !self.walls.hide(position) {
+            rest * rest / (self.radius * self.radius)
+        } else {
+            0.0
+        }
     }
 
     /// What holds all points within the radius.

@@ -35,6 +35,22 @@ impl Places {
         place.radius = place.radius.min(radius);
     }
 
+    /// The same places with boxes of what they have become, those that lie close to each other side by side;
+    /// and the former number of each.
+    pub fn settled(&self, bounds: Aabb) -> (Places, Vec<u32>) {
+        let mut order: Vec<u32> = (0..self.list.len() as u32).collect();
+        order.sort_by_cached_key(|&number| self.tree.leaf(self[number as usize].position).node);
+        let mut settled = Places {
+            list: Vec::new(),
+            tree: BoxTree::new(bounds),
+            turn: self.turn,
+        };
+        for &number in &order {
+            settled.push(self[number as usize].clone());
+        }
+        (settled, order)
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.list.len()
@@ -76,7 +92,7 @@ impl Places {
     pub fn cover(&self, position: Vec3, normal: Vec3, share: f32) -> bool {
         self.tree.around(position).iter().any(|&number| {
             let place = &self.list[number as usize];
-            place.distance_squared(position, normal, self.turn) < share * share
+            place.weight(position, normal, self.turn, share) > 0.0
         })
     }
 

@@ -4,7 +4,7 @@ use super::{CameraSample, ambient};
 use crate::accel::Traversal;
 use crate::illumination::Illumination;
 use crate::material::Features;
-use crate::scene::Scene;
+use crate::scene::{Scene, Surface};
 use glam::Vec3;
 
 /// Indirect light that is looked up.
@@ -26,34 +26,31 @@ impl Cached<'_> {
         if step.bounces_left == 0 {
             return vec![ambient(self.scene); step.surfaces.len()];
         }
-        let surfaces = step.surfaces.iter().enumerate();
-        let (numbers, points): (Vec<usize>, Vec<GatherPoint>) = surfaces
-            .filter_map(|(number, surface)| Some((number, surface.as_ref()?)))
-            .filter(|(_, surface)| surface.reflectance.gathers::<F>())
-            .map(|(number, surface)| {
-                let sample = &self.samples[step.owners[number].0];
-                let point = GatherPoint {
-                    point: surface.point,
-                    sequence: sample.sequence,
-                    index: sample.index,
-                };
-                (number, point)
-            })
-            .unzip();
+        let gathers = |surface: &&Surface| surface.reflectance.gathers::<F>();
+        let surface = |number: usize| step.surfaces[number].as_ref().filter(gathers);
+        let points = (0..step.surfaces.len()).filter_map(|number| {
+            let point = &surface(number)?.point;
+            Some((number, (point.position, point.shading_normal)))
+        });
+        let (numbers, points): (Vec<usize>, Vec<(Vec3, Vec3)>) = points.unzip();
         let known = &self.illumination.visible[step.bounces_left as usize - 1];
-        let where_to_look = points
-            .iter()
-            .map(|p| (p.point.position, p.point.shading_normal));
-        let found = known.lights(&where_to_look.collect::<Vec<_>>());
         let mut lights = vec![Vec3::ZERO; step.surfaces.len()];
         let mut unknown = Vec::new();
-        for ((number, point), light) in numbers.into_iter().zip(points).zip(found) {
+        for (number, light) in numbers.into_iter().zip(known.lights(&points)) {
             match light {
                 Some(light) => lights[number] = light,
-                None => unknown.push((number, point)),
+                None => unknown.push(number),
             }
         }
-        let points: Vec<GatherPoint> = unknown.iter().map(|(_, point)| *point).collect();
+        let point = |&number: &usize| {
+            let sample = &self.samples[step.owners[number].0];
+            Some(GatherPoint {
+                point: surface(number)?.point,
+                sequence: sample.sequence,
+                index: sample.index,
+            })
+        };
+        let points: Vec<GatherPoint> = unknown.iter().filter_map(point).collect();
         let gathered = gather_for::<F>(
             self.scene,
             &points,
@@ -62,8 +59,8 @@ impl Cached<'_> {
             Some(&self.illumination.secondary),
             traversal,
         );
-        for ((number, _), light) in unknown.iter().zip(gathered) {
-            lights[*number] = light;
+        for (number, light) in unknown.into_iter().zip(gathered) {
+            lights[number] = light;
         }
         lights
     }

@@ -38,8 +38,8 @@ pub struct BakeSettings {
 
 /// What the camera sees itself.
 const VISIBLE: Density = Density {
-    radius: 0.35,
-    spacing: 0.65,
+    radius: 0.3,
+    spacing: 0.7,
     angle: 20_f32.to_radians(),
     probes: 32,
 };
@@ -59,16 +59,16 @@ const SECONDARY: Density = Density {
 };
 
 /// No place that the camera sees is smaller than so many pixels; in mirrors, which mostly show things smaller.
-const LEAST_PIXELS: [f32; 2] = [5.0, 10.0];
+const LEAST_PIXELS: [f32; 2] = [4.0, 10.0];
 
 /// No secondary place is smaller than this share of the usual distance between surfaces.
 const LEAST_SECONDARY: f32 = 0.4;
 
 /// Paths from points of frames that no place is near.
-pub const UNKNOWN_PATHS: u32 = 64;
+pub const UNKNOWN_PATHS: u32 = 16;
 
 /// Paths from each place that the camera sees.
-const PATHS: u32 = 96;
+const PATHS: u32 = 160;
 
 /// Paths from each secondary place, for each number of bounces.
 const SECONDARY_PATHS: u32 = 48;

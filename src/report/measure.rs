@@ -1,12 +1,11 @@
+use super::seconds::Seconds;
 use super::technique::Technique;
-use super::{Inputs, Progress};
+use super::{Inputs, Progress, pixels};
 use crate::film::Film;
 use crate::input::Settings;
 use crate::metrics::{Difference, Estimate, Reference, mean};
 use crate::render::{ErrorEstimate, RenderSettings, render_frame};
-use rustix::time::{ClockId, clock_gettime};
 use serde::Serialize;
-use std::time::Instant;
 
 /// What a technique costs and how far off it is: means over frames and seeds.
 #[derive(Clone, Debug, Serialize)]
@@ -50,8 +49,7 @@ pub struct Measurement {
 /// One frame by a technique, and what it took.
 struct Taken {
     film: Film,
-    seconds: f64,
-    cpu_seconds: f64,
+    seconds: Seconds,
     rays: u64,
     error: Option<ErrorEstimate>,
 }
@@ -79,7 +77,7 @@ pub(super) fn measure(
             biases.push(difference.mean_bias);
             picture.get_or_insert_with(|| taken.film.clone());
             all.push((taken, difference));
-            progress.step(technique.paths() * f64::from(size.0 * size.1));
+            progress.step(technique.paths() * pixels(size));
         }
         by_seed.push(mean(&errors));
         bias_by_seed.push(mean(&biases));
@@ -87,7 +85,7 @@ pub(super) fn measure(
     let picture = picture.expect("a frame and a seed");
     let over =
         |of: &dyn Fn(&(Taken, Difference)) -> f64| mean(&all.iter().map(of).collect::<Vec<f64>>());
-    let seconds = over(&|(taken, _)| taken.seconds);
+    let seconds = over(&|(taken, _)| taken.seconds.wall);
     let rays = over(&|(taken, _)| taken.rays as f64);
     let own = all.iter().map(|(taken, _)| taken.error);
     let own: Option<Vec<f64>> = own.map(|e| Some(e?.relative_square_error)).collect();
@@ -102,7 +100,7 @@ pub(super) fn measure(
         target_error: technique.settings.target_error,
         size: (picture.width(), picture.height()),
         seconds,
-        cpu_seconds: over(&|(taken, _)| taken.cpu_seconds),
+        cpu_seconds: over(&|(taken, _)| taken.seconds.cpu),
         rays,
         rays_per_second: rays / seconds,
         rmse: over(&|(_, difference)| difference.square_error)
@@ -146,33 +144,27 @@ pub(super) fn settings(
 
 fn take(inputs: &Inputs, technique: &Technique, settings: &RenderSettings, frame: u32) -> Taken {
     let camera = inputs.camera(frame, technique.is_tiny);
-    let (start, cpu_start) = (Instant::now(), cpu_seconds());
     let mut rays = 0;
     let mut error = None;
     let mut sum = Film::new(settings.width, settings.height);
-    for repeat in 0..technique.repeats {
-        let settings = RenderSettings {
-            seed: settings.seed + repeat,
-            ..settings.clone()
-        };
-        let rendered = render_frame(inputs.scene, &camera, &settings, frame, &|_| ());
-        rays += rendered.rays;
-        error = rendered.noise.map(|noise| noise.error);
-        for (sum, pixel) in sum.pixels_mut().iter_mut().zip(rendered.film.pixels()) {
-            *sum += *pixel / technique.repeats as f32;
+    let ((), seconds) = Seconds::of(|| {
+        for repeat in 0..technique.repeats {
+            let settings = RenderSettings {
+                seed: settings.seed + repeat,
+                ..settings.clone()
+            };
+            let rendered = render_frame(inputs.scene, &camera, &settings, frame, &|_| ());
+            rays += rendered.rays;
+            error = rendered.noise.map(|noise| noise.error);
+            for (sum, pixel) in sum.pixels_mut().iter_mut().zip(rendered.film.pixels()) {
+                *sum += *pixel / technique.repeats as f32;
+            }
         }
-    }
+    });
     Taken {
         film: sum,
-        seconds: start.elapsed().as_secs_f64(),
-        cpu_seconds: cpu_seconds() - cpu_start,
+        seconds,
         rays,
         error: error.filter(|_| technique.repeats == 1),
     }
-}
-
-/// Seconds that the processors have worked for this program.
-fn cpu_seconds() -> f64 {
-    let time = clock_gettime(ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }

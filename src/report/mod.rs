@@ -9,7 +9,9 @@ mod bias;
 mod flicker;
 mod measure;
 mod pictures;
+mod progress;
 mod reference;
+mod seconds;
 mod technique;
 mod text;
 
@@ -17,6 +19,8 @@ use advice::TARGETS;
 pub use bias::BiasRow;
 pub use flicker::FlickerRow;
 pub use measure::Measurement;
+pub use progress::Listener;
+use progress::Progress;
 pub use technique::{Technique, techniques};
 
 use crate::camera::{Camera, CameraPath};
@@ -164,31 +168,6 @@ pub struct ReferenceRow {
     pub relative_square_error: f64,
 }
 
-/// Told how far the report is, of 1, and what comes next.
-pub type Listener<'a> = &'a dyn Fn(f64, &str);
-
-/// How far the report is.
-struct Progress<'a> {
-    done: f64,
-    all: f64,
-    what: &'static str,
-    listener: Listener<'a>,
-}
-
-impl Progress<'_> {
-    /// Something else begins.
-    fn begin(&mut self, what: &'static str) {
-        self.what = what;
-        self.step(0.0);
-    }
-
-    /// So many paths more are done.
-    fn step(&mut self, paths: f64) {
-        self.done += paths;
-        (self.listener)((self.done / self.all).min(1.0), self.what);
-    }
-}
-
 /// Columns and rows of what takes so long that a window in the middle of the frame has to do.
 const TINY: (u32, u32) = (4, 3);
 
@@ -196,12 +175,7 @@ const TINY: (u32, u32) = (4, 3);
 /// `report.md`, `curves` and `flicker` as SVG and PNG, and a strip for each curve.
 pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError> {
     let techniques = techniques();
-    let mut progress = Progress {
-        done: 0.0,
-        all: work(inputs, &techniques),
-        what: "",
-        listener,
-    };
+    let mut progress = Progress::new(inputs, &techniques, listener);
     let write = |name: &str, bytes: &[u8]| {
         let file = inputs.folder.join(name);
         write_whole(&file, bytes).map_err(|source| ReportError::file(&file, source))
@@ -278,21 +252,7 @@ fn strip_of(curve: &str) -> String {
     )
 }
 
-/// About how many paths the whole report takes.
-fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
-    let pixels = |(width, height): (u32, u32)| f64::from(width) * f64::from(height);
-    let usual = pixels(inputs.size) * inputs.frames.len() as f64;
-    let of_technique = |technique: &Technique| {
-        let pixels = if technique.is_tiny {
-            pixels(TINY)
-        } else {
-            usual
-        };
-        technique.paths() * pixels * f64::from(inputs.seeds)
-    };
-    techniques.iter().map(of_technique).sum::<f64>()
-        + reference::work(inputs, false) * usual
-        + reference::work(inputs, true) * pixels(TINY)
-        + bias::work(inputs, techniques)
-        + flicker::work(inputs.path.timeline().frame_count())
+/// How many there are.
+fn pixels((width, height): (u32, u32)) -> f64 {
+    f64::from(width) * f64::from(height)
 }

@@ -1,3 +1,4 @@
+use super::light::PathLight;
 use super::seconds::Seconds;
 use super::technique::Technique;
 use super::{Inputs, Progress, pixels};
@@ -16,14 +17,18 @@ pub struct Measurement {
     pub flags: String,
     /// Whether that gives it: not if it is a mean of renderings, or takes so long that nobody would.
     pub is_setting: bool,
-    /// The error until which it adds samples.
-    pub target_error: Option<f64>,
+    /// Whether `--target-error` can be added to the flags.
+    pub takes_target_error: bool,
     /// Columns and rows.
     pub size: (u32, u32),
     /// Seconds per frame.
     pub seconds: f64,
     /// Seconds per frame of all processors together.
     pub cpu_seconds: f64,
+    /// A frame's share of the seconds that the light of the path takes; 0 where it is not looked up.
+    pub bake_seconds: f64,
+    /// Seconds per frame of the sequence's own size, in proportion to the pixels, and the share in the light.
+    pub full_size_seconds: f64,
     /// Rays per frame.
     pub rays: f64,
     /// Rays in a second.
@@ -57,6 +62,7 @@ struct Taken {
 /// Measures a technique on frames and their references; gives its first picture, too.
 pub(super) fn measure(
     inputs: &Inputs,
+    light: &PathLight,
     technique: &Technique,
     references: &[(u32, Reference)],
     progress: &mut Progress,
@@ -70,7 +76,7 @@ pub(super) fn measure(
         let (mut errors, mut biases) = (Vec::new(), Vec::new());
         for (frame, reference) in references {
             let size = (reference.mean().width(), reference.mean().height());
-            let settings = settings(inputs, technique, size, seed);
+            let settings = settings(inputs, light, technique, size, seed);
             let taken = take(inputs, technique, &settings, *frame);
             let difference = Difference::of(&taken.film, reference, inputs.exposure());
             errors.push(difference.relative_square_error);
@@ -93,14 +99,21 @@ pub(super) fn measure(
     let variances = references.iter().map(|(_, r)| r.error_of_mean().powi(2));
     let of_references = variances.sum::<f64>().sqrt() / references.len() as f64;
     mean_bias.error = mean_bias.error.hypot(of_references);
+    let size = (picture.width(), picture.height());
+    let bake_seconds = match technique.looks_up() {
+        true => light.bake.seconds_per_frame(),
+        false => 0.0,
+    };
     let measurement = Measurement {
         curve: technique.curve,
         flags: technique.flags(),
         is_setting: technique.repeats == 1 && !technique.is_tiny,
-        target_error: technique.settings.target_error,
-        size: (picture.width(), picture.height()),
+        takes_target_error: technique.takes_target_error(),
+        size,
         seconds,
         cpu_seconds: over(&|(taken, _)| taken.seconds.cpu),
+        bake_seconds,
+        full_size_seconds: seconds * pixels(inputs.full_size()) / pixels(size) + bake_seconds,
         rays,
         rays_per_second: rays / seconds,
         rmse: over(&|(_, difference)| difference.square_error)
@@ -123,6 +136,7 @@ pub(super) fn measure(
 /// The settings of a technique's frames.
 pub(super) fn settings(
     inputs: &Inputs,
+    light: &PathLight,
     technique: &Technique,
     size: (u32, u32),
     seed: u32,
@@ -139,7 +153,11 @@ pub(super) fn settings(
         target_error: None,
         ..inputs.given.clone()
     };
-    of_frames.or(given).resolve()
+    let settings = of_frames.or(given).resolve();
+    match technique.looks_up() {
+        true => light.looked_up(settings),
+        false => settings,
+    }
 }
 
 fn take(inputs: &Inputs, technique: &Technique, settings: &RenderSettings, frame: u32) -> Taken {

@@ -2,11 +2,13 @@
 //!
 //! A few frames are rendered by each technique of one table, with several seeds, and held against references
 //! whose own noise is known. Pixels that are held out of full-size frames tell whether a technique is right in
-//! the mean, and pairs of frames tell how much it flickers.
+//! the mean, and pairs of frames tell how much it flickers. The light of the path is worked out once, for all
+//! techniques that look it up, and each of their frames is charged its share.
 
 mod advice;
 mod bias;
 mod flicker;
+mod light;
 mod measure;
 mod pictures;
 mod progress;
@@ -18,10 +20,13 @@ mod text;
 use advice::TARGETS;
 pub use bias::BiasRow;
 pub use flicker::FlickerRow;
+pub use light::Bake;
 pub use measure::Measurement;
 pub use progress::Listener;
-use progress::Progress;
 pub use technique::{Technique, techniques};
+
+use light::PathLight;
+use progress::Progress;
 
 use crate::camera::{Camera, CameraPath};
 use crate::chart::{Chart, ChartError};
@@ -42,7 +47,7 @@ pub struct Inputs<'a> {
     pub scene: &'a Scene,
     /// The path.
     pub path: &'a CameraPath,
-    /// What files and command line set for the sequence; what decides the samples is left to the techniques.
+    /// What files and command line set for the sequence; what the techniques are about is left to them.
     pub given: Settings,
     /// A hash of the input files.
     pub fingerprint: String,
@@ -81,12 +86,14 @@ impl Inputs<'_> {
             samples,
             splits,
             target_error,
+            gi,
             ..
         } = &self.given;
         let set = [
             ("samples", samples.is_some()),
             ("splits", splits.is_some()),
             ("target_error", target_error.is_some()),
+            ("gi", gi.is_some()),
         ];
         let names = set.iter().filter(|(_, is_set)| *is_set);
         let names: Vec<&str> = names.map(|(name, _)| *name).collect();
@@ -147,6 +154,8 @@ pub struct Report {
     pub seeds: u32,
     /// The cheapest settings, in words.
     pub advice: Vec<String>,
+    /// What the light of the path takes.
+    pub bake: Bake,
     /// Every technique, in the order of the table.
     pub measurements: Vec<Measurement>,
     /// What the errors are held against.
@@ -189,13 +198,15 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
 
     let usual_references = reference::references(inputs, false, &mut progress)?;
     let tiny_references = reference::references(inputs, true, &mut progress)?;
+    let light = PathLight::new(inputs, &mut progress);
     let mut measurements: Vec<Measurement> = Vec::new();
     for (number, technique) in techniques.iter().enumerate() {
         let references = match technique.is_tiny {
             true => &tiny_references,
             false => &usual_references,
         };
-        let (measured, picture) = measure::measure(inputs, technique, references, &mut progress);
+        let (measured, picture) =
+            measure::measure(inputs, &light, technique, references, &mut progress);
         let next = techniques.get(number + 1);
         if next.is_none_or(|next| next.curve != technique.curve) {
             let strip = pictures::strip(inputs, &picture, &references[0].1)?;
@@ -203,7 +214,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         }
         measurements.push(measured);
     }
-    let bias = bias::bias(inputs, &techniques, &mut progress);
+    let bias = bias::bias(inputs, &light, &techniques, &mut progress);
     let flicker = flicker::flicker(inputs, &mut progress);
 
     let quality = |(frame, reference): &(u32, Reference)| ReferenceRow {
@@ -226,6 +237,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         frames: inputs.frames.clone(),
         seeds: inputs.seeds,
         advice,
+        bake: light.bake,
         measurements,
         references,
         bias,

@@ -10,9 +10,8 @@ pub(super) fn curves(inputs: &Inputs, measurements: &[Measurement]) -> Chart {
     let (width, height) = inputs.full_size();
     let mut series: Vec<Series> = Vec::new();
     for measured in measurements {
-        let pixels = f64::from(measured.size.0) * f64::from(measured.size.1);
         let point = Point {
-            x: measured.seconds / pixels * f64::from(width) * f64::from(height),
+            x: measured.full_size_seconds,
             y: measured.relative_square_error,
             low: measured.spread[0],
             high: measured.spread[1],

@@ -1,7 +1,8 @@
-use super::{Inputs, TINY, Technique, bias, flicker, pixels, reference};
+use super::{Inputs, TINY, Technique, bias, flicker, light, pixels, reference};
+use crate::bake;
 
 /// Told how far the report is, of 1, and what comes next.
-pub type Listener<'a> = &'a dyn Fn(f64, &str);
+pub type Listener<'a> = &'a (dyn Fn(f64, &str) + Sync);
 
 /// How far the report is.
 pub(super) struct Progress<'a> {
@@ -39,6 +40,13 @@ impl Progress<'_> {
         self.tell(self.done, self.what);
     }
 
+    /// As many paths more are done by what tells its own share of them.
+    pub(super) fn part<T>(&mut self, paths: f64, part: impl FnOnce(bake::Listener) -> T) -> T {
+        let made = part(&|share, what| self.tell(self.done + share * paths, what));
+        self.done += paths;
+        made
+    }
+
     fn tell(&self, done: f64, what: &str) {
         (self.listener)((done / self.all).min(1.0), what);
     }
@@ -58,6 +66,7 @@ fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
     techniques.iter().map(of_technique).sum::<f64>()
         + reference::work(inputs, false) * usual
         + reference::work(inputs, true) * pixels(TINY)
+        + light::work(inputs)
         + bias::work(inputs, techniques)
         + flicker::work(inputs.path.timeline().frame_count())
 }

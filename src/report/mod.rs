@@ -215,7 +215,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         measurements.push(measured);
     }
     let bias = bias::bias(inputs, &light, &techniques, &mut progress);
-    let flicker = flicker::flicker(inputs, &mut progress);
+    let flicker = flicker::flicker(inputs, &light, &mut progress);
 
     let quality = |(frame, reference): &(u32, Reference)| ReferenceRow {
         size: (reference.mean().width(), reference.mean().height()),

@@ -127,16 +127,18 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
         out,
         "\n## Flicker\n\n\
          The typical change, relative to the light, from a frame of {width}x{height} to the next at the same \
-         point of the scene, beyond what motion and interpolation change in the references; {PATHS} paths.\n\n\
+         point of the scene, beyond what motion and interpolation change in the references; {PATHS} camera samples for each pixel, in \
+         exact light of one path each. Direct light alone, as a share of the same light, is what is left when \
+         all other light does not flicker.\n\n\
          ![Flicker](flicker.png)\n\n\
-         | frame | seeds | relative change | its square | pixels matched, % |\n|---|---|---|---|---|"
+         | frame | kind | relative change | its square | pixels matched, % |\n|---|---|---|---|---|"
     )?;
     for row in &report.flicker {
         writeln!(
             out,
             "| {} | {} | {:.3} | {:.1e} ± {:.1e} | {:.0} |",
             row.frame,
-            row.seeds,
+            row.kind,
             row.relative,
             row.square.mean,
             row.square.error,

@@ -181,6 +181,50 @@ fn a_report_has_everything_and_keeps_its_references() {
     let many = errors("--mode montecarlo --samples 256 --splits 1");
     assert!(few[0] > 10.0 * many[0], "{few:?} {many:?}");
     assert!((few[0] / few[1] - 1.0).abs() < 0.3, "{few:?}");
+    // Light of the path: for fewer rays less error, and its seconds have the share of what it took.
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let bake = &report["bake"];
+    assert_eq!(bake["frames"], 3);
+    assert!(number(&bake["places"][0]) > 10.0, "{bake}");
+    assert!(text.contains("The light of the path takes"));
+    let share = number(&bake["seconds"]) / 3.0;
+    let mut looked_up = 0;
+    for row in measured {
+        let [width, height] = [0, 1].map(|i| number(&row["size"][i]));
+        let is_looked_up = row["flags"].as_str().unwrap().contains("--gi path");
+        looked_up += u32::from(is_looked_up);
+        let of_frame = number(&row["seconds"]) * 64.0 * 48.0 / (width * height);
+        let expected = of_frame + if is_looked_up { share } else { 0.0 };
+        let off = number(&row["full_size_seconds"]) / expected - 1.0;
+        assert!(off.abs() < 1e-9, "{row}");
+    }
+    assert_eq!(looked_up, 4);
+    let rays_and_error = |flags: &str| {
+        let row = measured.iter().find(|row| row["flags"] == flags).unwrap();
+        ["rays", "relative_square_error"].map(|key| number(&row[key]))
+    };
+    let path = rays_and_error("--mode montecarlo --samples 16 --gi path");
+    let exact = rays_and_error("--mode montecarlo --samples 16 --splits 1");
+    assert!(path[0] < exact[0], "{path:?} {exact:?}");
+    assert!(10.0 * path[1] < exact[1], "{path:?} {exact:?}");
+    let checked = report["bias"].as_array().unwrap();
+    let of_path = |row: &&serde_json::Value| row["curve"] == "montecarlo, light of the path";
+    assert_eq!(checked.iter().filter(of_path).count(), 1);
+    let flicker = |kind: &str| {
+        let rows = report["flicker"].as_array().unwrap().iter();
+        let squares = rows.filter(|row| row["kind"] == kind);
+        let squares: Vec<f64> = squares.map(|row| number(&row["square"]["mean"])).collect();
+        assert_eq!(squares.len(), 2);
+        squares.iter().sum::<f64>() / 2.0
+    };
+    let noise = flicker("exact, new seed in each frame");
+    for kind in ["light of the path", "direct light alone"] {
+        assert!(
+            30.0 * flicker(kind) < noise,
+            "{kind}: {} {noise}",
+            flicker(kind)
+        );
+    }
     for reference in report["references"].as_array().unwrap() {
         // The window's is better than the frames'.
         let most = if reference["size"][0] == 16 {
@@ -191,7 +235,7 @@ fn a_report_has_everything_and_keeps_its_references() {
         let own = &reference["relative_square_error"];
         assert!(own.as_f64().unwrap() < most, "{reference}");
     }
-    // Made once: a second run finds them as they are, and an older scene's are made anew.
+    // Made once: a second run finds them as they are, and another scene's are made anew.
     let references = || -> Vec<Vec<u8>> {
         let files = fs::read_dir(folder.join("references")).unwrap();
         let mut files: Vec<_> = files.map(|file| file.unwrap().path()).collect();
@@ -208,11 +252,18 @@ fn a_report_has_everything_and_keeps_its_references() {
     let before = modified(&folder);
     run();
     assert_eq!(modified(&folder), before);
-    let brighter = fs::read_to_string(&scene)
+    // Where nothing is gathered there is no light of the path; and what files set is not what was measured.
+    let darker = fs::read_to_string(&scene)
         .unwrap()
-        .replace("(2, 2, 2)", "(3, 3, 3)");
-    fs::write(&scene, brighter).unwrap();
-    run();
+        .replace("bounces: 1", "bounces: 0, gi: \"path\"");
+    fs::write(&scene, darker).unwrap();
+    let said = run();
+    assert!(
+        said.contains("sets gi, which the report leaves out"),
+        "{said}"
+    );
+    let report: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
+    assert_eq!(report["bake"]["places"], serde_json::json!([0, 0]));
     assert_ne!(references(), made);
 }
 

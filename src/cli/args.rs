@@ -90,6 +90,9 @@ pub(super) struct CheckArguments {
 /// advice: the cheapest settings for a relMSE of 0.01, where noise is just seen, and of 0.001, where it
 /// hardly is.
 ///
+/// The light of the path (--gi path) is worked out once, as for the whole sequence at its own size, and each
+/// frame is charged its share: those seconds are right if all frames are rendered.
+///
 /// Exposure, bounces and the size that the advice is for are the scene's and the path's. The error is
 /// relMSE: the mean of (x - r)^2 / (m^2 + 0.01), where x is a pixel, r is the reference's, and m the mean
 /// of the reference's pixels around; 1 is display white. Run it on a machine that does nothing else.

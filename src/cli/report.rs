@@ -77,3 +77,31 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
     }
     Ok(Status::Done)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::args::{Arguments, Command};
+    use crate::report::techniques;
+    use clap::Parser;
+
+    /// What the report prints is what `render` takes for it.
+    #[test]
+    fn flags_of_techniques_set_what_was_measured() {
+        for technique in techniques().into_iter().filter(|t| t.repeats == 1) {
+            let flags = technique.flags();
+            let start = ["flythrough", "render", "scene", "path", "--out", "frames"];
+            let parsed = Arguments::try_parse_from(start.into_iter().chain(flags.split(' ')));
+            let Ok(Arguments {
+                command: Command::Render(arguments),
+            }) = parsed
+            else {
+                panic!("{flags}: refused");
+            };
+            let [mut set, mut measured] = [arguments.settings.settings(), technique.settings];
+            for settings in [&mut set, &mut measured] {
+                settings.gi.get_or_insert_default();
+            }
+            assert_eq!(set, measured, "{flags}");
+        }
+    }
+}

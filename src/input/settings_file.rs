@@ -87,6 +87,15 @@ impl TryFrom<String> for GlobalIllumination {
     }
 }
 
+impl fmt::Display for GlobalIllumination {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            GlobalIllumination::Exact => "exact",
+            GlobalIllumination::Path => "path",
+        })
+    }
+}
+
 /// Render settings as far as one source gives them: a scene file, a path file or the command line.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]

@@ -9,35 +9,33 @@ pub(super) fn advice(
     target: f64,
     (width, height): (u32, u32),
 ) -> String {
-    let pixels = f64::from(width) * f64::from(height);
-    let seconds = |of: &Measurement, seconds: f64| {
-        seconds * pixels / (f64::from(of.size.0) * f64::from(of.size.1))
-    };
     let usual = measurements.iter().filter(|m| m.is_setting);
     let usual: Vec<&Measurement> = usual.collect();
     let good = usual.iter().filter(|m| m.spread[1] <= target);
-    let per_pixel = |m: &&&Measurement| seconds(m, m.seconds);
-    if let Some(best) = good.min_by(|a, b| per_pixel(a).total_cmp(&per_pixel(b))) {
+    let seconds = |of: &&&Measurement| of.full_size_seconds;
+    if let Some(best) = good.min_by(|a, b| seconds(a).total_cmp(&seconds(b))) {
+        let share = match best.bake_seconds / best.full_size_seconds {
+            0.0 => String::new(),
+            share => format!(", {:.0} % of that for the light of the path", 100.0 * share),
+        };
         return format!(
-            "relMSE {target}: `{}`, {:.2} s per frame of {width}x{height} (measured: {:.2e}).",
-            best.flags,
-            seconds(best, best.seconds),
-            best.relative_square_error,
+            "relMSE {target}: `{}`, {:.3} s per frame of {width}x{height}{share} (measured: {:.2e}).",
+            best.flags, best.full_size_seconds, best.relative_square_error,
         );
     }
     let ahead = (1..usual.len()).filter_map(|last| {
         let [a, b] = [usual[last - 1], usual[last]];
         let ends_curve = usual.get(last + 1).is_none_or(|next| next.curve != b.curve);
-        let slope =
-            (b.relative_square_error / a.relative_square_error).ln() / (b.seconds / a.seconds).ln();
+        let slope = (b.relative_square_error / a.relative_square_error).ln()
+            / (b.full_size_seconds / a.full_size_seconds).ln();
         // What falls no more never gets there, and what adds samples itself is told its own target.
-        let falls = b.target_error.is_none()
+        let falls = b.takes_target_error
             && a.curve == b.curve
             && ends_curve
             && slope < -0.5
             && b.relative_square_error > 0.0;
         let factor = (target / b.relative_square_error).powf(1.0 / slope);
-        falls.then(|| (b, seconds(b, b.seconds * factor)))
+        falls.then_some((b, b.full_size_seconds * factor))
     });
     match ahead.min_by(|a, b| a.1.total_cmp(&b.1)) {
         Some((best, seconds)) => format!(
@@ -58,10 +56,12 @@ mod tests {
             curve,
             flags: flags.to_owned(),
             is_setting: curve != "none",
-            target_error: None,
-            size: (100, 100),
-            seconds,
-            cpu_seconds: seconds,
+            takes_target_error: true,
+            size: (10, 10),
+            seconds: 0.01 * seconds,
+            cpu_seconds: 0.01 * seconds,
+            bake_seconds: 0.0,
+            full_size_seconds: seconds,
             rays: 1.0,
             rays_per_second: 1.0,
             rmse: 0.0,
@@ -85,9 +85,9 @@ mod tests {
             measured("none", "--c, the mean of 2 seeds", 0.1, 0.001),
         ];
         // --a 2 is beyond it with some seeds.
-        let said = advice(&all, 0.01, (200, 100));
+        let said = advice(&all, 0.01, (100, 100));
         assert!(
-            said.contains("`--b 1`, 6.00 s per frame of 200x100"),
+            said.contains("`--b 1`, 3.000 s per frame of 100x100 (measured"),
             "{said}"
         );
         // --a falls as 1 / n from 4 s and 0.005.
@@ -98,6 +98,27 @@ mod tests {
         );
         assert!(said.contains("about 2"), "{said}");
         let said = advice(&all[3..4], 0.001, (100, 100));
+        assert!(said.ends_with("no setting measured gets there."), "{said}");
+    }
+    #[test]
+    fn light_of_the_path_is_advised_with_its_price_and_never_beyond_what_is_measured() {
+        let mut all = [
+            measured("path", "--gi path --samples 4", 0.5, 0.02),
+            measured("path", "--gi path --samples 16", 2.0, 0.005),
+        ];
+        for measured in &mut all {
+            measured.bake_seconds = 0.5;
+            measured.takes_target_error = false;
+        }
+        let said = advice(&all, 0.01, (100, 100));
+        assert!(
+            said.contains(
+                "--samples 16`, 2.000 s per frame of 100x100, 25 % of that for the light of the path"
+            ),
+            "{said}"
+        );
+        // Its error falls here, but the light's own is left, and --target-error is refused.
+        let said = advice(&all, 0.001, (100, 100));
         assert!(said.ends_with("no setting measured gets there."), "{said}");
     }
 }

@@ -1,3 +1,4 @@
+use super::light::PathLight;
 use super::measure::settings;
 use super::technique::Technique;
 use super::{Inputs, Progress};
@@ -38,8 +39,12 @@ pub struct BiasRow {
 }
 
 /// Checks one technique of each curve.
+///
+/// Light that is looked up is the same in both of its pictures: the error of the light is part of the squared
+/// bias, which no seed of the frames takes away.
 pub(super) fn bias(
     inputs: &Inputs,
+    light: &PathLight,
     techniques: &[Technique],
     progress: &mut Progress,
 ) -> Vec<BiasRow> {
@@ -47,8 +52,8 @@ pub(super) fn bias(
     let small = HeldOut::new(inputs, inputs.size, progress);
     let checked = techniques.iter().filter(|technique| technique.is_checked);
     let check = |technique: &Technique| match needs_frames(technique) {
-        true => small.check(inputs, technique, progress),
-        false => full_size.check(inputs, technique, progress),
+        true => small.check(inputs, light, technique, progress),
+        false => full_size.check(inputs, light, technique, progress),
     };
     checked.map(check).collect()
 }
@@ -128,12 +133,18 @@ impl HeldOut {
     }
 
     /// Holds a technique against them.
-    fn check(&self, inputs: &Inputs, technique: &Technique, progress: &mut Progress) -> BiasRow {
+    fn check(
+        &self,
+        inputs: &Inputs,
+        light: &PathLight,
+        technique: &Technique,
+        progress: &mut Progress,
+    ) -> BiasRow {
         progress.begin(technique.curve);
         let mut held_out = Vec::new();
         for frame in &self.frames {
             let [first, second] = [0, 1].map(|seed| {
-                let settings = settings(inputs, technique, self.size, seed);
+                let settings = settings(inputs, light, technique, self.size, seed);
                 frame.picture(inputs, technique, &settings)
             });
             let both = first.into_iter().zip(second).zip(&frame.oracle);

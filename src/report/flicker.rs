@@ -1,3 +1,5 @@
+use super::light::PathLight;
+use super::technique::WITHOUT_PATHS;
 use super::{Inputs, Progress};
 use crate::film::Film;
 use crate::input::{Mode, Settings};
@@ -14,10 +16,10 @@ const TILES: u32 = 40;
 /// Nothing else has these seeds.
 const SEED: u32 = 5 << 24;
 
-/// Paths of a pixel that flickers.
+/// Camera samples of a pixel that flickers; in exact light, of one path each.
 pub(super) const PATHS: u32 = 32;
 
-/// Paths of each half of what tells how much.
+/// Of each half of what tells how much.
 const REFERENCE_PATHS: u32 = 512;
 
 /// How much the noise of a frame and the next differs at the same points of the scene.
@@ -25,8 +27,8 @@ const REFERENCE_PATHS: u32 = 512;
 pub struct FlickerRow {
     /// The first of the two frames.
     pub frame: u32,
-    /// Which random numbers frames have.
-    pub seeds: &'static str,
+    /// How the frames are made, in words.
+    pub kind: &'static str,
     /// Typical change, as a share of the light, that neither motion nor interpolation explains.
     pub relative: f64,
     /// The square of that, not rounded up to 0.
@@ -35,41 +37,51 @@ pub struct FlickerRow {
     pub matched: f64,
 }
 
-/// Of frames with numbers of their own, and of frames that all have the same.
-pub(super) const SEEDS: [&str; 2] = ["new seed in each frame", "locked seed"];
+/// Exact light with numbers of each frame's own and with the same in all, light of the path, and no light but
+/// what comes from lamps and mirrors: what flickers of that is left when nothing else does.
+pub(super) const KINDS: [&str; 4] = [
+    "exact, new seed in each frame",
+    "exact, locked seed",
+    "light of the path",
+    "direct light alone",
+];
+
+/// A frame and the next.
+type TwoFrames = [Film; 2];
 
 /// Measures pairs of frames of the sequence's own size.
-pub(super) fn flicker(inputs: &Inputs, progress: &mut Progress) -> Vec<FlickerRow> {
+pub(super) fn flicker(
+    inputs: &Inputs,
+    light: &PathLight,
+    progress: &mut Progress,
+) -> Vec<FlickerRow> {
     progress.begin("flicker");
+    let settings = |mode: Mode, samples: u32, seed: u32| {
+        let settings = Settings {
+            mode: Some(mode),
+            samples: Some(samples),
+            splits: Some(vec![1]),
+            seed: Some(seed),
+            // The numbers of all kinds are given with the frames.
+            lock_seed: Some(false),
+            target_error: None,
+            ..inputs.given.clone()
+        };
+        settings.resolve()
+    };
+    let exact = settings(Mode::Montecarlo, PATHS, 0);
+    let path = light.looked_up(exact.clone());
+    let direct = settings(Mode::Raytracing, PATHS, 0);
     let mut rows = Vec::new();
     for frame in pairs(inputs.path.timeline().frame_count()) {
         let pair = Pair::new(inputs, frame);
-        let settings = |samples: u32, seed: u32| {
-            let settings = Settings {
-                mode: Some(Mode::Montecarlo),
-                samples: Some(samples),
-                splits: Some(vec![1]),
-                seed: Some(seed),
-                // The numbers of both kinds are given with the frames.
-                lock_seed: Some(false),
-                target_error: None,
-                ..inputs.given.clone()
-            };
-            settings.resolve()
-        };
-        let references = pair.halves(&settings(2 * REFERENCE_PATHS, SEED), [frame, frame + 1]);
-        for (seeds, numbers) in SEEDS.into_iter().zip([[frame, frame + 1], [0, 0]]) {
-            let of_picture = settings(PATHS, 0);
-            let [a, b] = pair.halves(&of_picture, numbers);
-            let picture = [0, 1].map(|i| a[i].mixed(0.5, &b[i], 0.5));
-            let [a, b] = &references;
-            let white = of_picture.white;
-            let flicker =
-                pair.reprojection
-                    .flicker(picture.each_ref(), a.each_ref(), b.each_ref(), white);
+        let own = [frame, frame + 1];
+        let mut add = |kind: &'static str, picture: TwoFrames, [a, b]: &[TwoFrames; 2]| {
+            let [picture, a, b] = [&picture, a, b].map(TwoFrames::each_ref);
+            let flicker = pair.reprojection.flicker(picture, a, b, exact.white);
             rows.push(FlickerRow {
                 frame,
-                seeds,
+                kind,
                 relative: flicker.relative,
                 square: Estimate {
                     mean: flicker.square,
@@ -77,40 +89,69 @@ pub(super) fn flicker(inputs: &Inputs, progress: &mut Progress) -> Vec<FlickerRo
                 },
                 matched: flicker.matched,
             });
-        }
+        };
+        let [new, locked, looked_up, lamps] = KINDS;
+        let references = settings(Mode::Montecarlo, 2 * REFERENCE_PATHS, SEED);
+        let references = pair.halves(&references, own);
+        add(new, pair.picture(&exact, own), &references);
+        add(locked, pair.picture(&exact, [0, 0]), &references);
+        add(looked_up, pair.picture(&path, own), &references);
+
+        // Without chance there are no halves. What direct light lacks is added to picture and references alike:
+        // it cancels, but for being a part of the light that the flicker is a share of.
+        let direct_references = [SEED, SEED + 1]
+            .map(|seed| pair.picture(&settings(Mode::Raytracing, REFERENCE_PATHS, seed), own));
+        let rest = mixed(
+            &mean_of(&references),
+            &mean_of(&direct_references),
+            [1.0, -1.0],
+        );
+        let with_rest = |films: TwoFrames| mixed(&films, &rest, [1.0, 1.0]);
+        let picture = with_rest(pair.picture(&direct, own));
+        add(lamps, picture, &direct_references.map(with_rest));
         progress.step(work_of_pair());
     }
     rows
 }
 
-/// What the pairs say of the seeds, in words; none if there are none.
-pub(super) fn advice(rows: &[FlickerRow]) -> Option<String> {
-    let of = |seeds: &str| -> Vec<&FlickerRow> {
-        rows.iter().filter(|row| row.seeds == seeds).collect()
+/// What the pairs say of the kinds, in words; nothing if there are none.
+pub(super) fn advice(rows: &[FlickerRow]) -> Vec<String> {
+    if rows.is_empty() {
+        return Vec::new();
+    }
+    let squares = |kind: &str| -> Vec<f64> {
+        let rows = rows.iter().filter(|row| row.kind == kind);
+        rows.map(|row| row.square.mean).collect()
     };
-    let [new, locked] = SEEDS.map(of);
-    let typical = |rows: &[&FlickerRow]| {
-        let squares: Vec<f64> = rows.iter().map(|row| row.square.mean).collect();
-        mean(&squares).max(0.0).sqrt()
+    let kinds = KINDS.map(squares);
+    let [new, locked, path, direct] = &kinds;
+    let typical = |squares: &Vec<f64>| 100.0 * mean(squares).max(0.0).sqrt();
+    let [of_new, of_locked, of_path, of_direct] = kinds.each_ref().map(typical);
+    // Pair by pair, as what one shows more of it shows of all kinds.
+    let verdict = |flags: &str, squares: &[f64], others: &[f64]| {
+        let more = squares.iter().zip(others).map(|(of, other)| of - other);
+        let more: Vec<f64> = more.collect();
+        let [low, high] = Estimate::of(&more).interval(more.len() as u32 - 1);
+        if low > 0.0 {
+            format!("`{flags}` flickers more")
+        } else if high < 0.0 {
+            format!("`{flags}` flickers less")
+        } else {
+            "no difference that is sure".to_owned()
+        }
     };
-    // Pair by pair, as both have the same references.
-    let less = new
-        .iter()
-        .zip(&locked)
-        .map(|(new, locked)| new.square.mean - locked.square.mean);
-    let less = Estimate::of(&less.collect::<Vec<f64>>());
-    let [low, high] = less.interval((new.len() as u32).saturating_sub(1));
-    let advice = match new.len() {
-        0 => return None,
-        1 => "",
-        _ if low > 0.0 => ": `--lock-seed` flickers less",
-        _ if high < 0.0 => ": `--lock-seed` flickers more",
-        _ => ": no difference that is sure",
-    };
-    let [new, locked] = [&new, &locked].map(|rows| 100.0 * typical(rows));
-    Some(format!(
-        "Flicker with {PATHS} paths: {new:.1} % with a new seed in each frame, {locked:.1} % with a locked one{advice}."
-    ))
+    vec![
+        format!(
+            "Flicker with {PATHS} paths: {of_new:.1} % with a new seed in each frame, {of_locked:.1} % with a \
+             locked one: {}.",
+            verdict("--lock-seed", locked, new)
+        ),
+        format!(
+            "Flicker with {PATHS} camera samples: {of_path:.1} % with light of the path, {of_direct:.1} % of \
+             direct light alone: {}.",
+            verdict("--gi path", path, direct)
+        ),
+    ]
 }
 
 /// About how many paths it takes, for a forecast.
@@ -119,8 +160,8 @@ pub(super) fn work(frames: u32) -> f64 {
 }
 
 fn work_of_pair() -> f64 {
-    // Two frames of a pair; two kinds of seeds, and the two halves of the reference.
-    f64::from(2 * TILES * TILE * TILE * 2 * (PATHS + REFERENCE_PATHS))
+    // Two frames of a pair; two kinds with paths and two without, and the two references of each of these.
+    f64::from(2 * TILES * TILE * TILE * 2 * (PATHS + REFERENCE_PATHS)) * (1.0 + WITHOUT_PATHS)
 }
 
 fn pairs(frames: u32) -> Vec<u32> {
@@ -163,8 +204,13 @@ impl Pair<'_> {
         }
     }
 
-    /// Both halves of both frames, which take the random numbers of the frames given.
-    fn halves(&self, settings: &RenderSettings, numbers: [u32; 2]) -> [[Film; 2]; 2] {
+    /// Both frames, which take the random numbers of the frames given.
+    fn picture(&self, settings: &RenderSettings, numbers: [u32; 2]) -> TwoFrames {
+        mean_of(&self.halves(settings, numbers))
+    }
+
+    /// Both halves of both frames.
+    fn halves(&self, settings: &RenderSettings, numbers: [u32; 2]) -> [TwoFrames; 2] {
         let (width, height) = self.inputs.full_size();
         let both = [0, 1].map(|i| {
             let camera = self.inputs.path.camera(self.frame + i as u32);
@@ -180,5 +226,60 @@ impl Pair<'_> {
         });
         let [[first_a, first_b], [second_a, second_b]] = both;
         [[first_a, second_a], [first_b, second_b]]
+    }
+}
+
+/// Of two, frame by frame.
+fn mean_of([a, b]: &[TwoFrames; 2]) -> TwoFrames {
+    mixed(a, b, [0.5, 0.5])
+}
+
+/// Of two, so much of each, frame by frame.
+fn mixed(of: &TwoFrames, other: &TwoFrames, shares: [f32; 2]) -> TwoFrames {
+    [0, 1].map(|i| of[i].mixed(shares[0], &other[i], shares[1]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_flickers_more_is_said_only_if_pairs_agree() {
+        // The squares of each kind in three pairs.
+        let squares = [
+            [4e-4, 5e-4, 3e-4],
+            [1e-4, 2e-4, 0.0],
+            [1e-6, -1e-6, 0.0],
+            [0.0, 0.0, 0.0],
+        ];
+        let row = |kind: &'static str, frame: u32, square: f64| FlickerRow {
+            frame,
+            kind,
+            relative: square.max(0.0).sqrt(),
+            square: Estimate {
+                mean: square,
+                error: 0.0,
+            },
+            matched: 1.0,
+        };
+        let of_kind = |(kind, squares): (&'static str, [f64; 3])| {
+            (0..).zip(squares).map(move |(i, s)| row(kind, i, s))
+        };
+        let kinds = KINDS.into_iter().zip(squares);
+        let rows: Vec<FlickerRow> = kinds.flat_map(of_kind).collect();
+        let [seeds, path] = &advice(&rows)[..] else {
+            panic!("seeds and path");
+        };
+        assert!(
+            seeds.contains(": 2.0 % with a new seed in each frame, 1.0 % with a locked one: `--lock-seed` flickers less."),
+            "{seeds}"
+        );
+        assert!(
+            path.contains(
+                ": 0.0 % with light of the path, 0.0 % of direct light alone: no difference"
+            ),
+            "{path}"
+        );
+        assert!(advice(&[]).is_empty());
     }
 }

@@ -1,12 +1,12 @@
+use super::light::PathLight;
+use super::seconds::Seconds;
 use super::technique::Technique;
-use super::{Inputs, Progress};
+use super::{Inputs, Progress, pixels};
 use crate::film::Film;
 use crate::input::Settings;
 use crate::metrics::{Difference, Estimate, Reference, mean};
 use crate::render::{ErrorEstimate, RenderSettings, render_frame};
-use rustix::time::{ClockId, clock_gettime};
 use serde::Serialize;
-use std::time::Instant;
 
 /// What a technique costs and how far off it is: means over frames and seeds.
 #[derive(Clone, Debug, Serialize)]
@@ -17,14 +17,18 @@ pub struct Measurement {
     pub flags: String,
     /// Whether that gives it: not if it is a mean of renderings, or takes so long that nobody would.
     pub is_setting: bool,
-    /// The error until which it adds samples.
-    pub target_error: Option<f64>,
+    /// Whether `--target-error` can be added to the flags.
+    pub takes_target_error: bool,
     /// Columns and rows.
     pub size: (u32, u32),
     /// Seconds per frame.
     pub seconds: f64,
     /// Seconds per frame of all processors together.
     pub cpu_seconds: f64,
+    /// A frame's share of the seconds that the light of the path takes; 0 where it is not looked up.
+    pub bake_seconds: f64,
+    /// Seconds per frame of the sequence's own size, in proportion to the pixels, and the share in the light.
+    pub full_size_seconds: f64,
     /// Rays per frame.
     pub rays: f64,
     /// Rays in a second.
@@ -50,8 +54,7 @@ pub struct Measurement {
 /// One frame by a technique, and what it took.
 struct Taken {
     film: Film,
-    seconds: f64,
-    cpu_seconds: f64,
+    seconds: Seconds,
     rays: u64,
     error: Option<ErrorEstimate>,
 }
@@ -59,6 +62,7 @@ struct Taken {
 /// Measures a technique on frames and their references; gives its first picture, too.
 pub(super) fn measure(
     inputs: &Inputs,
+    light: &PathLight,
     technique: &Technique,
     references: &[(u32, Reference)],
     progress: &mut Progress,
@@ -72,14 +76,14 @@ pub(super) fn measure(
         let (mut errors, mut biases) = (Vec::new(), Vec::new());
         for (frame, reference) in references {
             let size = (reference.mean().width(), reference.mean().height());
-            let settings = settings(inputs, technique, size, seed);
+            let settings = settings(inputs, light, technique, size, seed);
             let taken = take(inputs, technique, &settings, *frame);
             let difference = Difference::of(&taken.film, reference, inputs.exposure());
             errors.push(difference.relative_square_error);
             biases.push(difference.mean_bias);
             picture.get_or_insert_with(|| taken.film.clone());
             all.push((taken, difference));
-            progress.step(technique.paths() * f64::from(size.0 * size.1));
+            progress.step(technique.paths() * pixels(size));
         }
         by_seed.push(mean(&errors));
         bias_by_seed.push(mean(&biases));
@@ -87,7 +91,7 @@ pub(super) fn measure(
     let picture = picture.expect("a frame and a seed");
     let over =
         |of: &dyn Fn(&(Taken, Difference)) -> f64| mean(&all.iter().map(of).collect::<Vec<f64>>());
-    let seconds = over(&|(taken, _)| taken.seconds);
+    let seconds = over(&|(taken, _)| taken.seconds.wall);
     let rays = over(&|(taken, _)| taken.rays as f64);
     let own = all.iter().map(|(taken, _)| taken.error);
     let own: Option<Vec<f64>> = own.map(|e| Some(e?.relative_square_error)).collect();
@@ -95,14 +99,21 @@ pub(super) fn measure(
     let variances = references.iter().map(|(_, r)| r.error_of_mean().powi(2));
     let of_references = variances.sum::<f64>().sqrt() / references.len() as f64;
     mean_bias.error = mean_bias.error.hypot(of_references);
+    let size = (picture.width(), picture.height());
+    let bake_seconds = match technique.looks_up() {
+        true => light.bake.seconds_per_frame(),
+        false => 0.0,
+    };
     let measurement = Measurement {
         curve: technique.curve,
         flags: technique.flags(),
         is_setting: technique.repeats == 1 && !technique.is_tiny,
-        target_error: technique.settings.target_error,
-        size: (picture.width(), picture.height()),
+        takes_target_error: technique.takes_target_error(),
+        size,
         seconds,
-        cpu_seconds: over(&|(taken, _)| taken.cpu_seconds),
+        cpu_seconds: over(&|(taken, _)| taken.seconds.cpu),
+        bake_seconds,
+        full_size_seconds: seconds * pixels(inputs.full_size()) / pixels(size) + bake_seconds,
         rays,
         rays_per_second: rays / seconds,
         rmse: over(&|(_, difference)| difference.square_error)
@@ -125,6 +136,7 @@ pub(super) fn measure(
 /// The settings of a technique's frames.
 pub(super) fn settings(
     inputs: &Inputs,
+    light: &PathLight,
     technique: &Technique,
     size: (u32, u32),
     seed: u32,
@@ -141,38 +153,36 @@ pub(super) fn settings(
         target_error: None,
         ..inputs.given.clone()
     };
-    of_frames.or(given).resolve()
+    let settings = of_frames.or(given).resolve();
+    match technique.looks_up() {
+        true => light.looked_up(settings),
+        false => settings,
+    }
 }
 
 fn take(inputs: &Inputs, technique: &Technique, settings: &RenderSettings, frame: u32) -> Taken {
     let camera = inputs.camera(frame, technique.is_tiny);
-    let (start, cpu_start) = (Instant::now(), cpu_seconds());
     let mut rays = 0;
     let mut error = None;
     let mut sum = Film::new(settings.width, settings.height);
-    for repeat in 0..technique.repeats {
-        let settings = RenderSettings {
-            seed: settings.seed + repeat,
-            ..settings.clone()
-        };
-        let rendered = render_frame(inputs.scene, &camera, &settings, frame, &|_| ());
-        rays += rendered.rays;
-        error = rendered.noise.map(|noise| noise.error);
-        for (sum, pixel) in sum.pixels_mut().iter_mut().zip(rendered.film.pixels()) {
-            *sum += *pixel / technique.repeats as f32;
+    let ((), seconds) = Seconds::of(|| {
+        for repeat in 0..technique.repeats {
+            let settings = RenderSettings {
+                seed: settings.seed + repeat,
+                ..settings.clone()
+            };
+            let rendered = render_frame(inputs.scene, &camera, &settings, frame, &|_| ());
+            rays += rendered.rays;
+            error = rendered.noise.map(|noise| noise.error);
+            for (sum, pixel) in sum.pixels_mut().iter_mut().zip(rendered.film.pixels()) {
+                *sum += *pixel / technique.repeats as f32;
+            }
         }
-    }
+    });
     Taken {
         film: sum,
-        seconds: start.elapsed().as_secs_f64(),
-        cpu_seconds: cpu_seconds() - cpu_start,
+        seconds,
         rays,
         error: error.filter(|_| technique.repeats == 1),
     }
-}
-
-/// Seconds that the processors have worked for this program.
-fn cpu_seconds() -> f64 {
-    let time = clock_gettime(ClockId::ProcessCPUTime);
-    time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64
 }

@@ -2,22 +2,31 @@
 //!
 //! A few frames are rendered by each technique of one table, with several seeds, and held against references
 //! whose own noise is known. Pixels that are held out of full-size frames tell whether a technique is right in
-//! the mean, and pairs of frames tell how much it flickers.
+//! the mean, and pairs of frames tell how much it flickers. The light of the path is worked out once, for all
+//! techniques that look it up, and each of their frames is charged its share.
 
 mod advice;
 mod bias;
 mod flicker;
+mod light;
 mod measure;
 mod pictures;
+mod progress;
 mod reference;
+mod seconds;
 mod technique;
 mod text;
 
 use advice::TARGETS;
 pub use bias::BiasRow;
 pub use flicker::FlickerRow;
+pub use light::Bake;
 pub use measure::Measurement;
+pub use progress::Listener;
 pub use technique::{Technique, techniques};
+
+use light::PathLight;
+use progress::Progress;
 
 use crate::camera::{Camera, CameraPath};
 use crate::chart::{Chart, ChartError};
@@ -38,7 +47,7 @@ pub struct Inputs<'a> {
     pub scene: &'a Scene,
     /// The path.
     pub path: &'a CameraPath,
-    /// What files and command line set for the sequence; what decides the samples is left to the techniques.
+    /// What files and command line set for the sequence; what the techniques are about is left to them.
     pub given: Settings,
     /// A hash of the input files.
     pub fingerprint: String,
@@ -77,12 +86,14 @@ impl Inputs<'_> {
             samples,
             splits,
             target_error,
+            gi,
             ..
         } = &self.given;
         let set = [
             ("samples", samples.is_some()),
             ("splits", splits.is_some()),
             ("target_error", target_error.is_some()),
+            ("gi", gi.is_some()),
         ];
         let names = set.iter().filter(|(_, is_set)| *is_set);
         let names: Vec<&str> = names.map(|(name, _)| *name).collect();
@@ -143,6 +154,8 @@ pub struct Report {
     pub seeds: u32,
     /// The cheapest settings, in words.
     pub advice: Vec<String>,
+    /// What the light of the path takes.
+    pub bake: Bake,
     /// Every technique, in the order of the table.
     pub measurements: Vec<Measurement>,
     /// What the errors are held against.
@@ -164,31 +177,6 @@ pub struct ReferenceRow {
     pub relative_square_error: f64,
 }
 
-/// Told how far the report is, of 1, and what comes next.
-pub type Listener<'a> = &'a dyn Fn(f64, &str);
-
-/// How far the report is.
-struct Progress<'a> {
-    done: f64,
-    all: f64,
-    what: &'static str,
-    listener: Listener<'a>,
-}
-
-impl Progress<'_> {
-    /// Something else begins.
-    fn begin(&mut self, what: &'static str) {
-        self.what = what;
-        self.step(0.0);
-    }
-
-    /// So many paths more are done.
-    fn step(&mut self, paths: f64) {
-        self.done += paths;
-        (self.listener)((self.done / self.all).min(1.0), self.what);
-    }
-}
-
 /// Columns and rows of what takes so long that a window in the middle of the frame has to do.
 const TINY: (u32, u32) = (4, 3);
 
@@ -196,12 +184,7 @@ const TINY: (u32, u32) = (4, 3);
 /// `report.md`, `curves` and `flicker` as SVG and PNG, and a strip for each curve.
 pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError> {
     let techniques = techniques();
-    let mut progress = Progress {
-        done: 0.0,
-        all: work(inputs, &techniques),
-        what: "",
-        listener,
-    };
+    let mut progress = Progress::new(inputs, &techniques, listener);
     let write = |name: &str, bytes: &[u8]| {
         let file = inputs.folder.join(name);
         write_whole(&file, bytes).map_err(|source| ReportError::file(&file, source))
@@ -215,13 +198,15 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
 
     let usual_references = reference::references(inputs, false, &mut progress)?;
     let tiny_references = reference::references(inputs, true, &mut progress)?;
+    let light = PathLight::new(inputs, &mut progress);
     let mut measurements: Vec<Measurement> = Vec::new();
     for (number, technique) in techniques.iter().enumerate() {
         let references = match technique.is_tiny {
             true => &tiny_references,
             false => &usual_references,
         };
-        let (measured, picture) = measure::measure(inputs, technique, references, &mut progress);
+        let (measured, picture) =
+            measure::measure(inputs, &light, technique, references, &mut progress);
         let next = techniques.get(number + 1);
         if next.is_none_or(|next| next.curve != technique.curve) {
             let strip = pictures::strip(inputs, &picture, &references[0].1)?;
@@ -229,8 +214,8 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         }
         measurements.push(measured);
     }
-    let bias = bias::bias(inputs, &techniques, &mut progress);
-    let flicker = flicker::flicker(inputs, &mut progress);
+    let bias = bias::bias(inputs, &light, &techniques, &mut progress);
+    let flicker = flicker::flicker(inputs, &light, &mut progress);
 
     let quality = |(frame, reference): &(u32, Reference)| ReferenceRow {
         size: (reference.mean().width(), reference.mean().height()),
@@ -252,6 +237,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         frames: inputs.frames.clone(),
         seeds: inputs.seeds,
         advice,
+        bake: light.bake,
         measurements,
         references,
         bias,
@@ -278,21 +264,7 @@ fn strip_of(curve: &str) -> String {
     )
 }
 
-/// About how many paths the whole report takes.
-fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
-    let pixels = |(width, height): (u32, u32)| f64::from(width) * f64::from(height);
-    let usual = pixels(inputs.size) * inputs.frames.len() as f64;
-    let of_technique = |technique: &Technique| {
-        let pixels = if technique.is_tiny {
-            pixels(TINY)
-        } else {
-            usual
-        };
-        technique.paths() * pixels * f64::from(inputs.seeds)
-    };
-    techniques.iter().map(of_technique).sum::<f64>()
-        + reference::work(inputs, false) * usual
-        + reference::work(inputs, true) * pixels(TINY)
-        + bias::work(inputs, techniques)
-        + flicker::work(inputs.path.timeline().frame_count())
+/// How many there are.
+fn pixels((width, height): (u32, u32)) -> f64 {
+    f64::from(width) * f64::from(height)
 }

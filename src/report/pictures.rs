@@ -10,9 +10,8 @@ pub(super) fn curves(inputs: &Inputs, measurements: &[Measurement]) -> Chart {
     let (width, height) = inputs.full_size();
     let mut series: Vec<Series> = Vec::new();
     for measured in measurements {
-        let pixels = f64::from(measured.size.0) * f64::from(measured.size.1);
         let point = Point {
-            x: measured.seconds / pixels * f64::from(width) * f64::from(height),
+            x: measured.full_size_seconds,
             y: measured.relative_square_error,
             low: measured.spread[0],
             high: measured.spread[1],
@@ -46,8 +45,8 @@ pub(super) fn curves(inputs: &Inputs, measurements: &[Measurement]) -> Chart {
 
 /// Flicker over the path.
 pub(super) fn flicker_curve(inputs: &Inputs, rows: &[FlickerRow]) -> Chart {
-    let of_seeds = |seeds: &&'static str| {
-        let rows = rows.iter().filter(|row| row.seeds == *seeds);
+    let of_kind = |kind: &&'static str| {
+        let rows = rows.iter().filter(|row| row.kind == *kind);
         let points = rows.map(|row| {
             let end = |sign: f64| {
                 (row.square.mean + sign * 1.96 * row.square.error)
@@ -62,7 +61,7 @@ pub(super) fn flicker_curve(inputs: &Inputs, rows: &[FlickerRow]) -> Chart {
             }
         });
         Series {
-            name: (*seeds).to_owned(),
+            name: (*kind).to_owned(),
             points: points.collect(),
         }
     };
@@ -74,7 +73,7 @@ pub(super) fn flicker_curve(inputs: &Inputs, rows: &[FlickerRow]) -> Chart {
         title: format!("{}: flicker from each frame to the next", inputs.title),
         x: axis("frame"),
         y: axis("relative change"),
-        series: flicker::SEEDS.iter().map(of_seeds).collect(),
+        series: flicker::KINDS.iter().map(of_kind).collect(),
         guides: vec![0.0],
         size: (960, 300),
     }

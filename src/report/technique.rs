@@ -1,4 +1,7 @@
-use crate::input::{Mode, Settings};
+use crate::input::{GlobalIllumination, LEAST_TARGET_ERROR, Mode, Settings};
+
+/// About how many paths take as long as a camera sample that gathers nothing.
+pub(super) const WITHOUT_PATHS: f64 = 0.2;
 
 /// One way to render a frame.
 #[derive(Clone, Debug)]
@@ -27,6 +30,7 @@ pub fn techniques() -> Vec<Technique> {
                 mode: Some(mode),
                 samples: *samples,
                 splits: (!splits.is_empty()).then(|| splits.to_vec()),
+                gi: Some(GlobalIllumination::Exact),
                 ..Settings::default()
             },
             repeats: 1,
@@ -42,11 +46,29 @@ pub fn techniques() -> Vec<Technique> {
             samples: Some(4),
             splits: Some(vec![2]),
             target_error: Some(target),
+            gi: Some(GlobalIllumination::Exact),
             ..Settings::default()
         },
         repeats: 1,
         is_tiny: false,
         is_checked: target == 0.003,
+    });
+    let path = curve(
+        "montecarlo, light of the path",
+        Montecarlo,
+        &[
+            (None, &[]),
+            (Some(4), &[]),
+            (Some(16), &[]),
+            (Some(64), &[]),
+        ],
+    );
+    let path = path.into_iter().map(|technique| Technique {
+        settings: Settings {
+            gi: Some(GlobalIllumination::Path),
+            ..technique.settings
+        },
+        ..technique
     });
     // A rendering of one sample has two paths, one in each half.
     let single = curve("independent numbers", Montecarlo, &[(Some(1), &[1])]);
@@ -112,6 +134,7 @@ pub fn techniques() -> Vec<Technique> {
         ),
     ]
     .concat();
+    all.extend(path);
     all.extend(targets);
     all.extend(independent);
     all.extend(tiny);
@@ -126,6 +149,7 @@ impl Technique {
             samples,
             splits,
             target_error,
+            gi,
             ..
         } = &self.settings;
         let mut flags = format!("--mode {}", mode.unwrap_or_default());
@@ -139,17 +163,37 @@ impl Technique {
         if let Some(target) = target_error {
             flags += &format!(" --target-error {target}");
         }
+        let default = GlobalIllumination::default();
+        if let Some(gi) = gi.filter(|gi| *gi != default) {
+            flags += &format!(" --gi {gi}");
+        }
         if self.repeats > 1 {
             flags += &format!(", the mean of {} seeds", self.repeats);
         }
         flags
     }
 
+    /// Whether it looks up the light of the path.
+    pub(super) fn looks_up(&self) -> bool {
+        self.settings.gi == Some(GlobalIllumination::Path)
+    }
+
+    /// Whether `--target-error` can be added to the flags.
+    pub(super) fn takes_target_error(&self) -> bool {
+        let targeted = Settings {
+            target_error: Some(LEAST_TARGET_ERROR),
+            ..self.settings.clone()
+        };
+        self.settings.target_error.is_none() && targeted.check_together().is_ok()
+    }
+
     /// About how many paths each pixel takes, for a forecast.
     pub(super) fn paths(&self) -> f64 {
         let samples = self.settings.samples.unwrap_or(1);
-        let splits = self.settings.splits.iter().flatten();
-        let paths: f64 = splits.map(|split| f64::from(*split)).product();
+        let paths = match &self.settings.splits {
+            Some(splits) => splits.iter().map(|&split| f64::from(split)).product(),
+            None => WITHOUT_PATHS,
+        };
         let wanted = self
             .settings
             .target_error
@@ -176,6 +220,18 @@ mod tests {
     }
 
     #[test]
+    fn samples_are_added_where_paths_are_gathered() {
+        for technique in techniques() {
+            let flags = technique.flags();
+            let gathers = flags.contains("montecarlo") && !flags.contains("--gi path");
+            let has_target = flags.contains("--target-error");
+            let takes = technique.takes_target_error();
+            assert_eq!(takes, gathers && !has_target, "{flags}");
+            assert_eq!(technique.looks_up(), flags.contains("--gi path"), "{flags}");
+        }
+    }
+
+    #[test]
     fn flags_say_what_is_set() {
         let find = |curve: &str| techniques().into_iter().rfind(|t| t.curve == curve);
         for (curve, flags) in [
@@ -183,6 +239,10 @@ mod tests {
             (
                 "montecarlo, splitting twice",
                 "--mode montecarlo --samples 4 --splits 8,2",
+            ),
+            (
+                "montecarlo, light of the path",
+                "--mode montecarlo --samples 64 --gi path",
             ),
             (
                 "montecarlo, to a target error",

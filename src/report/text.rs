@@ -1,19 +1,21 @@
 use super::bias::ORACLE_PATHS;
 use super::flicker::PATHS;
-use super::{Measurement, Report, ReportError, strip_of};
+use super::{Bake, Measurement, Report, ReportError, strip_of};
 use std::fmt::Write;
 use std::io;
 
 /// A row for each technique, with a header.
 pub(super) fn csv(report: &Report) -> String {
-    let mut text = "curve,flags,width,height,seconds,cpu_seconds,rays,rays_per_second,rmse,relMSE,\
-                    relMSE_low,relMSE_high,own_relMSE,p95_relative_error,mean_bias,mean_bias_low,\
-                    mean_bias_high,flip\n"
+    let mut text = "curve,flags,width,height,seconds,cpu_seconds,bake_seconds,full_size_seconds,rays,\
+                    rays_per_second,rmse,relMSE,relMSE_low,relMSE_high,own_relMSE,p95_relative_error,\
+                    mean_bias,mean_bias_low,mean_bias_high,flip\n"
         .to_owned();
     for m in &report.measurements {
         let numbers = [
             m.seconds,
             m.cpu_seconds,
+            m.bake_seconds,
+            m.full_size_seconds,
             m.rays,
             m.rays_per_second,
             m.rmse,
@@ -72,19 +74,22 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
         out,
         "\n![Error for the time spent](curves.png)\n\n\
          Frames {} with {} seeds each (tiny: a window in the middle of the first, at full size), on {} threads; \
-         means of all, without a rendering to warm up. Advice and curves have the seconds of a full-size frame, in \
-         proportion to its pixels. In units of display white, relMSE is the mean of (x - r)^2 / (m^2 + 0.01), \
-         where r is the reference and m the mean of its pixels around: squared errors are free of the \
-         reference's own noise, and by chance negative where they are less than it. In brackets the least and \
-         the most of the seeds, and what holds the mean bias 95 times of 100. `own` is what the frames \
-         themselves say of their relMSE, without a reference: it does not know of bias, nor of edges that are \
-         not smooth where a pixel's samples do not spread. p95 is what 95 % of the relative errors do not \
-         exceed.\n",
+         means of all, without a rendering to warm up. Advice and curves have the seconds of a frame of \
+         {width}x{height}, in proportion to its pixels (a little too many where neighbours share work); where \
+         the light of the path is looked up, with a frame's share of its seconds, if the whole path is \
+         rendered. In units of display white, relMSE is the mean of (x - r)^2 / (m^2 + 0.01), where r is the \
+         reference and m the mean of its pixels around: squared errors are free of the reference's own noise, \
+         and by chance negative where they are less than it. In brackets the least and the most of the seeds, \
+         and what holds the mean bias 95 times of 100. `own` is what the frames themselves say of their \
+         relMSE, without a reference: it does not know of bias, nor of edges that are not smooth where a \
+         pixel's samples do not spread. p95 is what 95 % of the relative errors do not exceed.\n\n\
+         {}\n",
         frames.join(", "),
         report.seeds,
-        rayon::current_num_threads()
+        rayon::current_num_threads(),
+        bake(&report.bake)
     )?;
-    measurements(&report.measurements, out)?;
+    measurements(&report.measurements, report.full_size, out)?;
     writeln!(
         out,
         "\n| reference | frame | its own relMSE |\n|---|---|---|"
@@ -99,7 +104,8 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
         "\n## Bias\n\n\
          At pixels that chance chose, by two independent pictures and two independent estimates of \
          {ORACLE_PATHS} paths each: what stays of relMSE however many pictures are averaged, and how much too \
-         bright they are; with standard errors. What has no bias is accused about once in 500 times, a little \
+         bright they are; with standard errors. The light of the path is the same in both pictures, so that its own \
+         error is part of that. What has no bias is accused about once in 500 times, a little \
          more often where a few bright pixels are among many dim ones.\n\n\
          | technique | pixels | squared bias | mean bias, % | |\n|---|---|---|---|---|"
     )?;
@@ -121,16 +127,18 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
         out,
         "\n## Flicker\n\n\
          The typical change, relative to the light, from a frame of {width}x{height} to the next at the same \
-         point of the scene, beyond what motion and interpolation change in the references; {PATHS} paths.\n\n\
+         point of the scene, beyond what motion and interpolation change in the references; {PATHS} camera samples for each pixel, in \
+         exact light of one path each. Direct light alone, as a share of the same light, is what is left when \
+         all other light does not flicker.\n\n\
          ![Flicker](flicker.png)\n\n\
-         | frame | seeds | relative change | its square | pixels matched, % |\n|---|---|---|---|---|"
+         | frame | kind | relative change | its square | pixels matched, % |\n|---|---|---|---|---|"
     )?;
     for row in &report.flicker {
         writeln!(
             out,
             "| {} | {} | {:.3} | {:.1e} ± {:.1e} | {:.0} |",
             row.frame,
-            row.seeds,
+            row.kind,
             row.relative,
             row.square.mean,
             row.square.error,
@@ -150,11 +158,27 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     Ok(())
 }
 
-fn measurements(rows: &[Measurement], out: &mut String) -> std::fmt::Result {
+fn bake(bake: &Bake) -> String {
+    let [visible, secondary] = bake.places;
+    format!(
+        "The light of the path takes {:.2} s ({:.2} CPU s) for all {} frames: {visible} places that the camera \
+         sees, {secondary} beyond, {:.1} MB.",
+        bake.seconds,
+        bake.cpu_seconds,
+        bake.frames,
+        1e-6 * bake.bytes as f64
+    )
+}
+
+fn measurements(
+    rows: &[Measurement],
+    (width, height): (u32, u32),
+    out: &mut String,
+) -> std::fmt::Result {
     writeln!(
         out,
-        "| technique | size | s | CPU s | million rays | million rays/s | relMSE | own | RMSE | p95 error, % | \
-         mean bias, % | FLIP |\n|---|---|---|---|---|---|---|---|---|---|---|---|"
+        "| technique | size | s | CPU s | s, {width}x{height} | million rays | million rays/s | relMSE | own | \
+         RMSE | p95 error, % | mean bias, % | FLIP |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|"
     )?;
     for m in rows {
         let (width, height) = m.size;
@@ -165,12 +189,13 @@ fn measurements(rows: &[Measurement], out: &mut String) -> std::fmt::Result {
         let [bias_low, bias_high] = m.mean_bias_interval.map(|bias| 100.0 * bias);
         writeln!(
             out,
-            "| {}: `{}` | {width}x{height} | {:.4} | {:.4} | {:.2} | {:.1} | {:.2e} ({low:.2e} to {high:.2e}) | \
+            "| {}: `{}` | {width}x{height} | {:.4} | {:.4} | {:.4} | {:.2} | {:.1} | {:.2e} ({low:.2e} to {high:.2e}) | \
              {own} | {:.4} | {:.1} | {:+.2} ({bias_low:+.2} to {bias_high:+.2}) | {:.4} |",
             m.curve,
             m.flags,
             m.seconds,
             m.cpu_seconds,
+            m.full_size_seconds,
             1e-6 * m.rays,
             1e-6 * m.rays_per_second,
             m.relative_square_error,

@@ -1,0 +1,91 @@
+use super::seconds::Seconds;
+use super::{Inputs, Progress, pixels};
+use crate::bake::{BakeSettings, UNKNOWN_PATHS, bake};
+use crate::illumination::Illumination;
+use crate::integrator::Integrator;
+use crate::render::RenderSettings;
+use serde::Serialize;
+use std::sync::Arc;
+
+/// Paths that it takes for each pixel of the sequence, about: in `test3` and in `gallery`.
+const PATHS: f64 = 0.1;
+
+/// What it takes to work out the light of the path, once for all of its frames.
+#[derive(Clone, Debug, Serialize)]
+pub struct Bake {
+    /// Seconds.
+    pub seconds: f64,
+    /// Seconds of all processors together.
+    pub cpu_seconds: f64,
+    /// The frames that share it: all of the path.
+    pub frames: u32,
+    /// Places that the camera sees, and places beyond.
+    pub places: [usize; 2],
+    /// Bytes that the light takes.
+    pub bytes: usize,
+}
+
+impl Bake {
+    /// Each frame's share.
+    pub fn seconds_per_frame(&self) -> f64 {
+        self.seconds / f64::from(self.frames)
+    }
+}
+
+/// The light of the whole path as a rendering of the whole sequence works it out, at its own size.
+///
+/// It is worked out once, for all that looks it up: what is wrong with it is the same in every picture, whatever
+/// the seed, and counts as bias.
+pub(super) struct PathLight {
+    illumination: Arc<Illumination>,
+    pub(super) bake: Bake,
+}
+
+impl PathLight {
+    pub(super) fn new(inputs: &Inputs, progress: &mut Progress) -> PathLight {
+        let settings = inputs.given.resolve();
+        let bounces = match settings.integrator {
+            Integrator::RayTracing { bounces } | Integrator::MonteCarlo { bounces, .. } => bounces,
+            Integrator::Cached { illumination, .. } => illumination.bounces(),
+        };
+        let settings = BakeSettings {
+            width: settings.width,
+            height: settings.height,
+            bounces,
+            seed: settings.seed,
+        };
+        let (illumination, seconds) = Seconds::of(|| {
+            progress.part(work(inputs), |listener| {
+                bake(inputs.scene, inputs.path, &settings, listener)
+            })
+        });
+        let bake = Bake {
+            seconds: seconds.wall,
+            cpu_seconds: seconds.cpu,
+            frames: inputs.path.timeline().frame_count(),
+            places: illumination.place_count(),
+            bytes: illumination.memory(),
+        };
+        PathLight {
+            illumination: Arc::new(illumination),
+            bake,
+        }
+    }
+
+    /// The settings of frames that look it up, given those of frames that gather.
+    pub(super) fn looked_up(&self, settings: RenderSettings) -> RenderSettings {
+        RenderSettings {
+            integrator: Integrator::Cached {
+                illumination: self.illumination.clone(),
+                paths: UNKNOWN_PATHS,
+            },
+            ..settings
+        }
+    }
+}
+
+/// About how many paths it takes, for a forecast.
+pub(super) fn work(inputs: &Inputs) -> f64 {
+    let frames = inputs.path.timeline().frame_count();
+    PATHS * pixels(inputs.full_size()) * f64::from(frames)
+}

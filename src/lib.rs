@@ -16,10 +16,11 @@
 //! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`metrics`], [`illumination`] | each other, files, threads |
 //! | 3 | [`scene`] | how light is gathered, files |
 //! | 4 | [`integrator`] | pixels, frames, time |
-//! | 5 | [`bake`], [`render`] | each other, file formats, folders, terminals |
-//! | 6 | [`input`], [`output`], [`selftest`] | each other, the command line |
-//! | 7 | [`report`] | the command line |
-//! | 8 | [`cli`] | the mathematics |
+//! | 5 | [`render`] | file formats, folders, terminals |
+//! | 6 | [`bake`] | the same |
+//! | 7 | [`input`], [`output`], [`selftest`] | each other, the command line |
+//! | 8 | [`report`] | the command line |
+//! | 9 | [`cli`] | the mathematics |
 
 pub mod accel;
 pub mod bake;

@@ -80,7 +80,7 @@ fn intervals_hold_the_true_error() {
         let runs = (0..200).into_par_iter().map(|seed| {
             let rendered = frame(&settings, seed);
             let true_error = relative_square_error(&rendered.film, &reference.film, 0.35);
-            let error = rendered.noise.unwrap().error;
+            let error = rendered.error.unwrap();
             let [low, high] = error.interval();
             let is_held = (low..=high).contains(&true_error);
             (is_held, error.relative_square_error, true_error)
@@ -94,7 +94,7 @@ fn intervals_hold_the_true_error() {
             (estimated / measured - 1.0).abs() < 0.02,
             "{sampling:?}: {estimated} {measured}"
         );
-        let own = reference.noise.unwrap().error.relative_square_error;
+        let own = reference.error.unwrap().relative_square_error;
         assert!(own < 0.01 * measured, "{sampling:?}: {own}");
     }
 }
@@ -115,13 +115,13 @@ fn frames_of_a_target_error_reach_it_without_bias() {
         let rendered: Vec<RenderedFrame> = (0..32).map(|seed| frame(&aimed, seed)).collect();
         let rays = |frame: &RenderedFrame| frame.rays;
         for rendered in &rendered {
-            let error = rendered.noise.as_ref().unwrap().error;
+            let error = rendered.error.unwrap();
             assert!(error.interval()[1] <= 0.01, "{error:?}");
             // Not far more than is needed.
             assert!(error.relative_square_error > 0.001, "{error:?}");
         }
         let few = frame(&plain, 0);
-        assert!(few.noise.as_ref().unwrap().error.relative_square_error > 0.02);
+        assert!(few.error.unwrap().relative_square_error > 0.02);
         assert!(rendered.iter().map(rays).min().unwrap() > 2 * few.rays);
         let aimed: Vec<Vec<f64>> = rendered.iter().map(|r| channels(r.film.pixels())).collect();
         let reference = RenderSettings {
@@ -208,11 +208,11 @@ fn what_is_not_left_to_chance_has_no_error() {
         spread(ray_tracing(), [8, 6], 4),
         settings(monte_carlo(0, &[]), 8, 6),
     ] {
-        assert!(frame(&settings, 0).noise.is_none());
+        assert!(frame(&settings, 0).error.is_none());
     }
     assert!(
         frame(&spread(monte_carlo(0, &[]), [8, 6], 4), 0)
-            .noise
+            .error
             .is_some()
     );
 }
@@ -227,7 +227,7 @@ fn small_frames_say_what_they_can() {
                 target_error: Some(0.05),
                 ..settings(monte_carlo(2, &[4]), width, height)
             };
-            let error = frame(&settings, 0).noise.unwrap().error;
+            let error = frame(&settings, 0).error.unwrap();
             assert!(error.relative_square_error > 0.0, "{error:?}");
             assert!(error.standard_error.is_finite() && error.interval()[1] <= 0.05);
         }

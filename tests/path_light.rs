@@ -3,13 +3,13 @@
 
 mod support;
 
-use flythrough::bake::{BakeSettings, UNKNOWN_PATHS, bake};
+use flythrough::bake::bake;
 use flythrough::camera::{CameraPath, Interpolation, Keyframe, Orientation};
 use flythrough::integrator::Integrator;
+use flythrough::render::{RenderSettings, light_errors};
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
-use std::sync::Arc;
 use support::*;
 
 const SIZE: (u32, u32) = (64, 48);
@@ -28,16 +28,9 @@ fn glide(eyes: [DVec3; 2], target: DVec3) -> CameraPath {
 
 /// Looks up the light that is worked out for a path.
 fn cached(scene: &Scene, path: &CameraPath, bounces: u32) -> Integrator {
-    let settings = BakeSettings {
-        width: SIZE.0,
-        height: SIZE.1,
-        bounces,
-        seed: 0,
-    };
-    Integrator::Cached {
-        illumination: Arc::new(bake(scene, path, &settings, &|_, _| ())),
-        paths: UNKNOWN_PATHS,
-    }
+    let exact = settings(monte_carlo(bounces, &[1]), SIZE.0, SIZE.1);
+    let baked = bake(scene, path, "path", &exact, None, &|_, _| ());
+    baked.settings.integrator
 }
 
 /// The pixels of a frame by an integrator.
@@ -99,6 +92,68 @@ fn a_room_agrees_with_paths_of_which_nothing_is_looked_up() {
     }
 }
 
+/// What is said of the error of the light is true of whole frames, and comes down to what is asked for.
+#[test]
+fn the_error_is_known_and_met() {
+    let scene = shipped_scene("test3.ron");
+    let path = glide(
+        [DVec3::new(-0.5, 0.0, 3.0), DVec3::new(0.5, 0.1, 2.6)],
+        DVec3::new(0.0, -0.1, 0.0),
+    );
+    let baked = |target_error: Option<f64>| {
+        let exact = RenderSettings {
+            target_error,
+            ..settings(monte_carlo(4, &[1]), SIZE.0, SIZE.1)
+        };
+        bake(&scene, &path, "path", &exact, None, &|_, _| ())
+    };
+    let references = [1, 7].map(|n| (n, frame(&scene, &path, &monte_carlo(4, &[2048]), n)));
+    let (usual, finer) = (baked(None), baked(Some(3e-4)));
+    assert!(usual.reaches_target && finer.reaches_target);
+    assert!(finer.cache.fineness() > usual.cache.fineness());
+    for (baked, most) in [(&usual, 0.001), (&finer, 3e-4)] {
+        let settings = &baked.settings;
+        assert_eq!(settings.light_errors.len(), 9);
+        for (number, reference) in &references {
+            let pixels = frame(&scene, &path, &settings.integrator, *number);
+            let error = f64::from(relative_square_error(&pixels, reference));
+            let [low, high] = settings.light_errors[*number as usize].interval();
+            // The reference has noise of its own.
+            let of_reference = 5e-5;
+            assert!(
+                low < error && error < high + of_reference,
+                "{low} {error} {high}"
+            );
+            assert!(high <= most, "{high}");
+        }
+    }
+}
+
+/// Light of something else is found to be wrong, by as much as it is.
+#[test]
+fn wrong_light_is_found() {
+    let of_intensity = |intensity: f64| {
+        let light = light("(0, 0, 0)", intensity);
+        scene(&format!(
+            "Scene(materials: {{\"grey\": (diffuse: (0.5, 0.5, 0.5))}}, lights: [{light}],
+             objects: [sphere(center: (0, 0, 0), radius: 1, material: \"grey\")])"
+        ))
+    };
+    let eyes = [DVec3::new(0.3, 0.0, 0.0), DVec3::new(0.2, 0.1, 0.0)];
+    let path = glide(eyes, DVec3::X);
+    let right = of_intensity(1.0);
+    let wrong = cached(&of_intensity(1.2), &path, 1);
+    let looking_up = settings(wrong, SIZE.0, SIZE.1);
+    let direct = 0.5 / PI;
+    let indirect = 0.5 * direct;
+    // The light that it is a share of is half way from the right to the wrong.
+    let expected = (0.2 * indirect).powi(2) / ((direct + 1.1 * indirect).powi(2) + 0.01);
+    for error in light_errors(&right, &path, &looking_up) {
+        let off = error.relative_square_error / expected - 1.0;
+        assert!(off.abs() < 0.03, "{off}");
+    }
+}
+
 /// A bright room beside a dark one, a thin wall between them: no light comes through.
 #[test]
 fn a_closed_room_stays_dark() {
@@ -128,9 +183,9 @@ fn a_closed_room_stays_dark() {
         box_of(-2.0, -0.005),
         box_of(0.005, 2.0)
     ));
-    // From one room into the other: places lie on both sides of the wall.
+    // From one room into the other, no frame within the wall: places lie on both sides of it.
     let path = glide(
-        [DVec3::new(-1.8, 1.2, 1.7), DVec3::new(1.8, 1.2, 1.7)],
+        [DVec3::new(-1.8, 1.2, 1.7), DVec3::new(1.7, 1.2, 1.7)],
         DVec3::new(0.0, 0.1, 0.3),
     );
     let cached = cached(&scene, &path, 4);
@@ -176,7 +231,7 @@ fn nothing_to_gather() {
         let eyes = [DVec3::new(0.0, 1.0, 3.0), DVec3::new(0.0, 1.0, 2.0)];
         let path = glide(eyes, DVec3::ZERO);
         let cached = cached(&scene, &path, 4);
-        let Integrator::Cached { illumination, .. } = &cached else {
+        let Integrator::Cached { illumination } = &cached else {
             panic!("it is cached");
         };
         assert_eq!(illumination.place_count(), [0, 0]);

@@ -86,7 +86,7 @@ fn single_pixels_are_those_of_the_frame() {
             for ((x, y), [a, b]) in pixels.iter().zip(single) {
                 let number = (y * 20 + x) as usize;
                 assert_close(0.5 * (a + b), frame.film.pixels()[number], 1e-6);
-                let deviation = frame.noise.as_ref().map(|n| n.deviation.pixels()[number]);
+                let deviation = frame.deviation.as_ref().map(|d| d.pixels()[number]);
                 assert_close(0.5 * (a - b), deviation.unwrap_or_default(), 1e-6);
             }
         }

@@ -5,9 +5,10 @@ use super::lanes::{ALL, Lanes, Packet, size};
 use super::simd::Floats;
 use crate::math::{NO_PRIMITIVE, Ray};
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// A point of a surface that rays leave.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Point {
     /// Where it is.
     pub position: Vec3,

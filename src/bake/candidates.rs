@@ -1,5 +1,5 @@
+use super::order::spread;
 use super::placement::Candidate;
-use super::{BakeSettings, LEAST_PIXELS, spread};
 use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::integrator::seen;
@@ -22,7 +22,12 @@ const BATCH: u32 = 64;
 pub(super) struct Film<'a> {
     pub(super) scene: &'a Scene,
     pub(super) camera: Camera,
-    pub(super) settings: &'a BakeSettings,
+    /// Columns and rows.
+    pub(super) size: (u32, u32),
+    pub(super) bounces: u32,
+    /// The least radius of places that the camera sees, and of those in mirrors.
+    pub(super) least_pixels: [f32; 2],
+    pub(super) seed: u32,
     /// Chooses which point of each square.
     pub(super) turn: u32,
 }
@@ -30,19 +35,15 @@ pub(super) struct Film<'a> {
 /// What a frame sees, by the number of bounces left less 1: points all over the frame, in an order of which
 /// every beginning is spread.
 pub(super) fn candidates(film: &Film) -> Vec<Vec<Candidate>> {
-    let BakeSettings {
-        width,
-        height,
-        bounces,
-        seed,
-    } = *film.settings;
+    let (width, height) = film.size;
+    let bounces = film.bounces;
     let rays = film
         .camera
         .rays(DVec2::new(width.into(), height.into()), film.scene.origin);
     // Of the pixels that places are measured by.
     let pixel = f64::from(height) / f64::from(height.max(LEAST_ROWS));
     let pixel_angle = (pixel * 2.0 * film.camera.half_height / f64::from(height)) as f32;
-    let shift = Sequence::new(seed, 0, 0, 0).sample_2d(film.turn, 0);
+    let shift = Sequence::new(film.seed, 0, 0, 0).sample_2d(film.turn, 0);
     let shift = DVec2::new(shift[0].into(), shift[1].into());
     let stride = STRIDE * pixel;
     let squares = |pixels: u32| (f64::from(pixels) / stride).ceil() as u32;
@@ -64,7 +65,7 @@ pub(super) fn candidates(film: &Film) -> Vec<Vec<Candidate>> {
         .collect();
     let of_level = |left: u32| {
         let of_level: Vec<_> = seen.iter().filter(|seen| seen.left == left).collect();
-        let pixels = LEAST_PIXELS[usize::from(left < bounces)];
+        let pixels = film.least_pixels[usize::from(left < bounces)];
         spread(of_level.len() as u32)
             .map(|number| of_level[number as usize])
             .map(|seen| Candidate {

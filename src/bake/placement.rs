@@ -6,9 +6,10 @@ use crate::math::Ray;
 use crate::sampling::uniform_sphere;
 use crate::scene::Scene;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// How close places lie.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Density {
     /// The radius, as a share of the harmonic mean distance of what a place sees: light changes in
     /// proportion to its inverse (Ward et al. 1988).
@@ -30,8 +31,8 @@ pub(super) struct Candidate {
 }
 
 /// Places that are being chosen.
-pub(super) struct Placement<'a> {
-    scene: &'a Scene,
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Placement {
     density: Density,
     seed: u32,
     pub(super) places: Places,
@@ -48,10 +49,10 @@ struct Probe {
     hits: Vec<(Point, f32)>,
 }
 
-impl<'a> Placement<'a> {
-    pub(super) fn new(scene: &'a Scene, density: Density, seed: u32) -> Placement<'a> {
+impl Placement {
+    /// No places yet.
+    pub(super) fn new(scene: &Scene, density: Density, seed: u32) -> Placement {
         Placement {
-            scene,
             density,
             seed,
             places: Places::new(scene.bounds(), density.angle),
@@ -95,14 +96,15 @@ impl<'a> Placement<'a> {
     ///
     /// Candidates are looked at in groups: many at once, and yet few that are covered by another one of
     /// their group, for which the work is in vain.
-    pub(super) fn cover(&mut self, candidates: &[Candidate]) -> Vec<Candidate> {
+    pub(super) fn cover(&mut self, scene: &Scene, candidates: &[Candidate]) -> Vec<Candidate> {
         let mut hits = Vec::new();
         let mut rest = self.uncovered(candidates);
         while !rest.is_empty() {
             let count = (self.points.len() / 4).clamp(16, 512).min(rest.len());
             let later = rest.split_off(count);
             let group = self.uncovered(&rest);
-            let probes: Vec<Probe> = group.par_iter().map(|c| self.probe(&c.point)).collect();
+            let probe = |candidate: &Candidate| self.probe(scene, &candidate.point);
+            let probes: Vec<Probe> = group.par_iter().map(probe).collect();
             for (candidate, probe) in group.iter().zip(probes) {
                 if !self.is_covered(candidate) {
                     self.push(candidate, &probe);
@@ -152,7 +154,7 @@ impl<'a> Placement<'a> {
     }
 
     /// Looks around, evenly: what is near the horizon matters, too.
-    fn probe(&self, point: &Point) -> Probe {
+    fn probe(&self, scene: &Scene, point: &Point) -> Probe {
         let numbers = numbers_of(point, self.seed, Purpose::Probes, 0);
         let ray = |index| {
             let [u, v] = numbers.sample_2d(index, 0);
@@ -163,7 +165,7 @@ impl<'a> Placement<'a> {
         let rays: Vec<Ray> = (0..self.density.probes).map(ray).collect();
         let mut hits = vec![None; rays.len()];
         let traversal = &mut Traversal::default();
-        self.scene.closest_of_wave(&rays, &mut hits, traversal);
+        scene.closest_of_wave(&rays, &mut hits, traversal);
         let seen = rays.iter().zip(&hits);
         let seen: Vec<_> = seen
             .filter_map(|(ray, hit)| Some((ray, hit.as_ref()?)))
@@ -171,9 +173,9 @@ impl<'a> Placement<'a> {
         let inverses: f64 = seen.iter().map(|(_, hit)| 1.0 / hit.t).sum();
         let harmonic_mean = f64::from(self.density.probes) / inverses;
         // Under an open sky light changes as slowly as can be.
-        let size = self.scene.bounds().extent().max_element();
+        let size = scene.bounds().extent().max_element();
         let hits = seen.iter().map(|(ray, hit)| {
-            let point = self.scene.surface::<Only<0>>(ray, hit).point;
+            let point = scene.surface::<Only<0>>(ray, hit).point;
             (point, hit.t as f32)
         });
         let mut hits: Vec<(Point, f32)> = hits.collect();

@@ -16,6 +16,7 @@ pub(super) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     Render(RenderArguments),
+    Bake(BakeArguments),
     Check(CheckArguments),
     Report(ReportArguments),
     /// Run numerically hard cases with known answers on this machine
@@ -57,6 +58,9 @@ pub(super) struct RenderArguments {
     pub(super) frames: Option<FrameRanges>,
     #[command(flatten)]
     pub(super) settings: SettingsArguments,
+    /// File for the light of --gi path, which may be that of a bake or of other runs; made if it is not there
+    #[arg(long, value_name = "FILE")]
+    pub(super) gi_cache: Option<PathBuf>,
     /// Threads to use [default: all cores]
     #[arg(short, long, value_name = "N")]
     pub(super) threads: Option<NonZeroUsize>,
@@ -68,6 +72,35 @@ pub(super) struct RenderArguments {
     #[arg(long, value_enum, value_name = "LAYER")]
     pub(super) aov: Option<AovArgument>,
     /// Render frames even if they are there already
+    #[arg(long)]
+    pub(super) force: bool,
+    /// No progress bar and no summary
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+/// Work out the indirect light of a camera path and keep it in a file, for render --gi-cache
+///
+/// A file that is there already is not worked out again: if it holds the light of other paths through the same
+/// scene, with the same settings, what this path needs is added.
+///
+/// Of the settings, size, bounces, seed and target error decide the light; renderings that share it set the
+/// same.
+///
+/// Exit status: 0 the file is there, 2 wrong input or usage.
+#[derive(Debug, Args)]
+pub(super) struct BakeArguments {
+    #[command(flatten)]
+    pub(super) input: InputArguments,
+    /// File for the light
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) out: PathBuf,
+    #[command(flatten)]
+    pub(super) settings: SettingsArguments,
+    /// Threads to use [default: all cores]
+    #[arg(short, long, value_name = "N")]
+    pub(super) threads: Option<NonZeroUsize>,
+    /// Work it out anew if the file holds the light of something else or is damaged
     #[arg(long)]
     pub(super) force: bool,
     /// No progress bar and no summary

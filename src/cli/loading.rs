@@ -7,8 +7,10 @@ use std::num::NonZeroUsize;
 pub(super) struct Loaded {
     pub(super) scene: SceneInput,
     pub(super) path: CameraPathInput,
-    /// A hash of every file that was read.
-    pub(super) fingerprint: blake3::Hash,
+    /// A hash of every file that the scene is made of.
+    pub(super) scene_fingerprint: blake3::Hash,
+    /// A hash of the path's file.
+    pub(super) path_fingerprint: blake3::Hash,
     pub(super) pool: rayon::ThreadPool,
 }
 
@@ -17,8 +19,8 @@ pub(super) fn load(
     input: &InputArguments,
     threads: Option<NonZeroUsize>,
 ) -> Result<Loaded, Failure> {
-    let mut files = InputFiles::default();
-    let path = load_camera_path(&input.path, &mut files)?;
+    let mut path_files = InputFiles::default();
+    let path = load_camera_path(&input.path, &mut path_files)?;
     let threads = match threads {
         Some(threads) => threads.get(),
         None => std::thread::available_parallelism()?.get(),
@@ -26,12 +28,24 @@ pub(super) fn load(
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()?;
-    let scene = pool.install(|| load_scene(&input.scene, &mut files))?;
+    let mut scene_files = InputFiles::default();
+    let scene = pool.install(|| load_scene(&input.scene, &mut scene_files))?;
     warn(&scene.warnings);
     Ok(Loaded {
         scene,
         path,
-        fingerprint: files.fingerprint(),
+        scene_fingerprint: scene_files.fingerprint(),
+        path_fingerprint: path_files.fingerprint(),
         pool,
     })
+}
+
+impl Loaded {
+    /// A hash of every file that was read.
+    pub(super) fn fingerprint(&self) -> blake3::Hash {
+        let mut both = blake3::Hasher::new();
+        both.update(self.scene_fingerprint.as_bytes());
+        both.update(self.path_fingerprint.as_bytes());
+        both.finalize()
+    }
 }

@@ -2,8 +2,10 @@
 #![expect(clippy::print_stderr, reason = "talking to the user is its job")]
 
 mod args;
+mod bake;
 mod check;
 mod frames;
+mod light;
 mod loading;
 mod progress;
 mod render;
@@ -32,6 +34,7 @@ enum Status {
 pub fn run() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Render(render) => render::run(&render),
+        Command::Bake(bake) => bake::run(&bake),
         Command::Check(check) => check::run(&check),
         Command::Report(report) => report::run(&report),
         Command::Selftest => selftest::run(),

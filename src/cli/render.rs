@@ -1,36 +1,32 @@
 use super::args::RenderArguments;
-use super::loading::load;
-use super::progress::{SequenceProgress, ShareProgress, Steps, clock, rays_per_second};
+use super::light::PathLight;
+use super::loading::{Loaded, load};
+use super::progress::{SequenceProgress, Steps, clock, rays_per_second};
 use super::{Failure, Status, warn};
-use crate::bake::{BakeSettings, UNKNOWN_PATHS, bake};
-use crate::camera::CameraPath;
-use crate::illumination::Illumination;
-use crate::input::GlobalIllumination;
-use crate::integrator::Integrator;
+use crate::input::{GlobalIllumination, Settings};
 use crate::output::{FrameFolder, FrameFormat, FrameStorage, Manifest, SequenceInfo};
-use crate::render::{ErrorEstimate, render_sequence, tile_count};
-use crate::scene::Scene;
+use crate::render::{ErrorEstimate, RenderSettings, render_sequence, tile_count};
 use std::io::Write;
-use std::sync::Arc;
 use std::time::Instant;
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     let flags = arguments.settings.settings();
-    flags
-        .check()
-        .map_err(|error| format!("--{}: {}", error.key.replace('_', "-"), error.message))?;
+    flags.check().map_err(|error| error.of_flag())?;
     let loaded = load(&arguments.input, arguments.threads)?;
-    let (scene, path) = (loaded.scene, loaded.path);
-    let given = flags.or(path.settings).or(scene.settings);
+    let (scene, path) = (&loaded.scene, &loaded.path);
+    let given = flags.or(path.settings.clone()).or(scene.settings.clone());
     given.check_together()?;
     let mut settings = given.resolve();
-    let looks_up = given.gi == Some(GlobalIllumination::Path);
     let exposure = given.exposure.unwrap_or(0.0);
-    if arguments.aov.is_some() && looks_up {
-        return Err("--aov error: light that is looked up has no halves; choose --gi exact".into());
-    }
-    if arguments.aov.is_some() && !settings.has_noise() {
-        return Err("--aov error: nothing is left to chance here; choose a montecarlo mode".into());
+    let light = light(arguments, &given, &loaded, &settings)?;
+    if arguments.aov.is_some() {
+        let (has_noise, advice) = match &light {
+            Some(_) => (settings.has_noise_looking_up(), "take more camera samples"),
+            None => (settings.has_noise(), "choose a montecarlo mode"),
+        };
+        if !has_noise {
+            return Err(format!("--aov error: nothing is left to chance here; {advice}").into());
+        }
     }
 
     let timeline = path.path.timeline();
@@ -42,11 +38,11 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     let format = FrameFormat::from(arguments.format);
     let decisive = format!(
         "{settings:?} {:?} {exposure} {format:?} {}",
-        given.gi.unwrap_or_default(),
+        light.as_ref().map(PathLight::paths),
         env!("CARGO_PKG_VERSION")
     );
     let mut fingerprint = blake3::Hasher::new();
-    fingerprint.update(loaded.fingerprint.as_bytes());
+    fingerprint.update(loaded.fingerprint().as_bytes());
     fingerprint.update(decisive.as_bytes());
     let info = SequenceInfo {
         fps: timeline.fps,
@@ -67,27 +63,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
         .copied()
         .filter(|&frame| arguments.force || !folder.has(frame))
         .collect();
-    if looks_up
-        && !missing.is_empty()
-        && let Integrator::MonteCarlo { bounces, .. } = settings.integrator
-    {
-        let bake_settings = BakeSettings {
-            width: settings.width,
-            height: settings.height,
-            bounces,
-            seed: settings.seed,
-        };
-        let illumination = bake_light(
-            &loaded.pool,
-            &scene.scene,
-            &path.path,
-            &bake_settings,
-            arguments.quiet,
-        );
-        settings.integrator = Integrator::Cached {
-            illumination: Arc::new(illumination),
-            paths: UNKNOWN_PATHS,
-        };
+    if let Some(light) = light.filter(|_| !missing.is_empty()) {
+        settings = light.bake(&loaded, &settings, arguments.quiet)?;
     }
     // How many samples a frame will need until it is good enough nobody knows: it counts as a whole.
     let steps = match settings.target_error {
@@ -141,9 +118,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
         let reaches = |error: &ErrorEstimate| error.interval()[1] <= target;
         let count = outcome.errors.iter().filter(|(_, e)| !reaches(e)).count();
         if count > 0 {
-            warn(&[format!(
-                "{count} frames stayed above the error of {target} with all the samples that a pixel can take"
-            )]);
+            warn(&[format!("{count} frames stayed above the error of {target}")]);
         }
     }
     Ok(if outcome.failures.is_empty() && listed.is_ok() {
@@ -153,29 +128,22 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     })
 }
 
-/// Works out the light of a path and says what it took.
-fn bake_light(
-    pool: &rayon::ThreadPool,
-    scene: &Scene,
-    path: &CameraPath,
-    settings: &BakeSettings,
-    quiet: bool,
-) -> Illumination {
-    let start = Instant::now();
-    let progress = ShareProgress::new(quiet);
-    let listener = |share, what| progress.at(share, what);
-    let illumination = pool.install(|| bake(scene, path, settings, &listener));
-    progress.finish();
-    if !quiet {
-        let [visible, secondary] = illumination.place_count();
-        let _ = writeln!(
-            std::io::stdout(),
-            "light of the path worked out in {}: {visible} places that the camera sees, {secondary} beyond, {:.1} MB",
-            clock(start.elapsed()),
-            illumination.memory() as f64 / 1e6
-        );
+/// The light that frames look up; none if they gather it.
+fn light(
+    arguments: &RenderArguments,
+    given: &Settings,
+    loaded: &Loaded,
+    exact: &RenderSettings,
+) -> Result<Option<PathLight>, Failure> {
+    let file = arguments.gi_cache.as_deref();
+    match (given.gi.unwrap_or_default(), file) {
+        (GlobalIllumination::Path, _) => {
+            let light = PathLight::open(file, loaded, exact, arguments.force)?;
+            Ok(Some(light))
+        }
+        (GlobalIllumination::Exact, None) => Ok(None),
+        (GlobalIllumination::Exact, Some(_)) => Err("--gi-cache: add --gi path".into()),
     }
-    illumination
 }
 
 /// The errors of the frames that were rendered; none where nothing was left to chance.

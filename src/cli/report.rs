@@ -20,7 +20,11 @@ fn program() -> std::io::Result<blake3::Hash> {
 
 pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
     let loaded = load(&arguments.input, arguments.threads)?;
-    let given = loaded.path.settings.or(loaded.scene.settings);
+    let given = loaded
+        .path
+        .settings
+        .clone()
+        .or(loaded.scene.settings.clone());
     let settings = given.resolve();
     let size = arguments.size.unwrap_or_else(|| {
         let columns = settings.width.min(COLUMNS);
@@ -51,7 +55,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
         scene: &loaded.scene.scene,
         path: &loaded.path.path,
         given,
-        fingerprint: format!("{} {}", loaded.fingerprint, program()?),
+        fingerprint: format!("{} {}", loaded.fingerprint(), program()?),
         frames,
         size,
         seeds: arguments.seeds,

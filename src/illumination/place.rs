@@ -1,5 +1,6 @@
 use crate::math::Aabb;
 use glam::{Vec3, Vec4};
+use serde::{Deserialize, Serialize};
 
 /// Distances along the normal count so many times: what lies above or below is another surface.
 const FLATNESS: f32 = 5.0;
@@ -8,7 +9,7 @@ const FLATNESS: f32 = 5.0;
 pub(super) const HEIGHT: f32 = FLATNESS * FLATNESS - 1.0;
 
 /// A disc of a surface that one value stands for.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// The middle, relative to the scene's origin.
     pub position: Vec3,
@@ -21,7 +22,7 @@ pub struct Place {
 }
 
 /// Planes of surfaces that a place sees within its radius: what lies behind them has light of its own.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Walls {
     /// Most places have none, and pay for none.
     planes: Vec<Vec4>,
@@ -51,6 +52,11 @@ impl Walls {
     #[inline]
     pub(super) fn planes(&self) -> &[Vec4] {
         &self.planes
+    }
+
+    /// Bytes on the heap.
+    pub(super) fn memory(&self) -> usize {
+        size_of_val(self.planes())
     }
 
     #[inline]

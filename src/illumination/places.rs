@@ -1,14 +1,19 @@
 use super::{BoxTree, Place};
 use crate::math::Aabb;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 use std::ops::Index;
 
 /// Places, and which of them a point lies in.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(from = "Listed")]
 pub struct Places {
     list: Vec<Place>,
+    #[serde(skip_serializing)]
     tree: BoxTree,
-    /// What an angle counts: see [`Place::distance_squared`].
+    /// Of all points.
+    bounds: Aabb,
+    /// What an angle counts: see [`Place::weight`].
     turn: f32,
 }
 
@@ -16,11 +21,18 @@ impl Places {
     /// None yet, for points within `bounds`. A normal that is turned by `angle` radians, above 0, is as far
     /// as the radius.
     pub fn new(bounds: Aabb, angle: f32) -> Places {
-        Places {
+        Places::of(bounds, 1.0 / (1.0 - libm::cosf(angle)), [])
+    }
+
+    fn of(bounds: Aabb, turn: f32, list: impl IntoIterator<Item = Place>) -> Places {
+        let mut places = Places {
             list: Vec::new(),
             tree: BoxTree::new(bounds),
-            turn: 1.0 / (1.0 - libm::cosf(angle)),
-        }
+            bounds,
+            turn,
+        };
+        list.into_iter().for_each(|place| places.push(place));
+        places
     }
 
     /// Adds one; they are numbered from 0 on.
@@ -37,18 +49,12 @@ impl Places {
 
     /// The same places with boxes of what they have become, those that lie close to each other side by side;
     /// and the former number of each.
-    pub fn settled(&self, bounds: Aabb) -> (Places, Vec<u32>) {
-        let mut order: Vec<u32> = (0..self.list.len() as u32).collect();
-        order.sort_by_cached_key(|&number| self.tree.leaf(self[number as usize].position).node);
-        let mut settled = Places {
-            list: Vec::new(),
-            tree: BoxTree::new(bounds),
-            turn: self.turn,
-        };
-        for &number in &order {
-            settled.push(self[number as usize].clone());
-        }
-        (settled, order)
+    pub fn settled(&self) -> (Places, Vec<usize>) {
+        let of_now = Places::of(self.bounds, self.turn, self.list.iter().cloned());
+        let mut order: Vec<usize> = (0..self.list.len()).collect();
+        order.sort_by_cached_key(|&number| of_now.tree.leaf(self[number].position).node);
+        let list = order.iter().map(|&number| self[number].clone());
+        (Places::of(self.bounds, self.turn, list), order)
     }
 
     /// How many there are.
@@ -98,7 +104,8 @@ impl Places {
 
     /// Bytes.
     pub fn memory(&self) -> usize {
-        size_of_val(&*self.list) + self.tree.memory()
+        let walls = self.list.iter().map(|place| place.walls.memory());
+        size_of_val(&*self.list) + walls.sum::<usize>() + self.tree.memory()
     }
 }
 
@@ -107,5 +114,19 @@ impl Index<usize> for Places {
 
     fn index(&self, number: usize) -> &Place {
         &self.list[number]
+    }
+}
+
+/// What is kept of [`Places`]: the tree follows.
+#[derive(Deserialize)]
+struct Listed {
+    list: Vec<Place>,
+    bounds: Aabb,
+    turn: f32,
+}
+
+impl From<Listed> for Places {
+    fn from(Listed { list, bounds, turn }: Listed) -> Places {
+        Places::of(bounds, turn, list)
     }
 }

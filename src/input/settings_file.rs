@@ -138,6 +138,13 @@ pub struct SettingsError {
     pub message: String,
 }
 
+impl SettingsError {
+    /// As the setting's flag on the command line has it.
+    pub fn of_flag(&self) -> String {
+        format!("--{}: {}", self.key.replace('_', "-"), self.message)
+    }
+}
+
 impl Settings {
     /// These settings, and those of `weaker` where these say nothing.
     pub fn or(self, weaker: Settings) -> Settings {
@@ -219,11 +226,6 @@ impl Settings {
                 return Err(wrong(format!(
                     "{mode} gathers no light; choose a montecarlo mode"
                 )));
-            }
-            if self.target_error.is_some() {
-                return Err(wrong(
-                    "light that is looked up gets no better by more samples; leave out target_error, or choose exact".to_owned(),
-                ));
             }
         }
         Ok(())
@@ -310,11 +312,6 @@ mod tests {
             ..path
         };
         assert_eq!(refused(&montecarlo), None);
-        let targeted = Settings {
-            target_error: Some(0.01),
-            ..montecarlo
-        };
-        assert_eq!(refused(&targeted), Some("gi"));
     }
 
     #[test]

@@ -7,12 +7,13 @@ use crate::material::Features;
 use crate::scene::{Scene, Surface};
 use glam::Vec3;
 
+/// How many paths go on from points where nothing is known: few see one, and every camera sample has its own.
+const UNKNOWN_PATHS: u32 = 16;
+
 /// Indirect light that is looked up.
 pub(super) struct Cached<'a> {
     pub(super) scene: &'a Scene,
     pub(super) illumination: &'a Illumination,
-    /// How many paths go on from points where nothing is known.
-    pub(super) paths: u32,
     pub(super) samples: &'a [CameraSample],
 }
 
@@ -55,7 +56,7 @@ impl Cached<'_> {
             self.scene,
             &points,
             step.bounces_left,
-            self.paths,
+            UNKNOWN_PATHS,
             Some(&self.illumination.secondary),
             traversal,
         );

@@ -71,8 +71,6 @@ pub enum Integrator {
     Cached {
         /// Of the scene. It knows how many bounces are counted.
         illumination: Arc<Illumination>,
-        /// How many paths go on from points where it is not known.
-        paths: u32,
     },
 }
 
@@ -88,6 +86,14 @@ pub struct CameraSample {
 }
 
 impl Integrator {
+    /// How many bounces are counted.
+    pub fn bounces(&self) -> u32 {
+        match self {
+            Integrator::RayTracing { bounces } | Integrator::MonteCarlo { bounces, .. } => *bounces,
+            Integrator::Cached { illumination } => illumination.bounces(),
+        }
+    }
+
     /// The radiance that arrives along each of the camera rays. Each gets what it would get alone;
     /// together they are faster if they run side by side.
     pub fn radiance(
@@ -118,14 +124,10 @@ impl Integrator {
                 let first = Step::first(rays, surfaces, lit, *bounces);
                 ray_tracing::radiance::<F>(scene, first, indirect, traversal, radiance);
             }
-            Integrator::Cached {
-                illumination,
-                paths,
-            } => {
+            Integrator::Cached { illumination } => {
                 let cached = cached::Cached {
                     scene,
                     illumination,
-                    paths: *paths,
                     samples,
                 };
                 let indirect =

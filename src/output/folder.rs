@@ -156,16 +156,18 @@ impl FrameFolder {
 impl FrameSink for FrameFolder {
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
         let RenderedFrame {
-            mut film, noise, ..
+            mut film,
+            deviation,
+            error,
+            ..
         } = rendered;
         if self.storage.format != FrameFormat::Exr {
             film.expose(self.storage.exposure);
         }
-        let error = noise.as_ref().map(|noise| noise.error);
         let note = FrameRecord::new(frame, error).to_text()?;
         let picture = self.storage.format.encode(&film, &note)?;
-        let wanted = noise.filter(|_| self.storage.error_maps);
-        let error_map = wanted.map(|noise| exr_file::encode(&magnitude(noise.deviation), &note));
+        let wanted = deviation.filter(|_| self.storage.error_maps);
+        let error_map = wanted.map(|map| exr_file::encode(&magnitude(map), &note));
         Ok(EncodedFrame {
             picture,
             error_map: error_map.transpose()?,

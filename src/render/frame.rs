@@ -13,8 +13,12 @@ use glam::Vec3;
 pub struct RenderedFrame {
     /// The picture.
     pub film: Film,
-    /// How far chance may have moved it; none where nothing was left to chance.
-    pub noise: Option<Noise>,
+    /// Half the difference of the two halves of its samples, whose mean it is: the halves are the picture plus
+    /// and minus this. Its square is an unbiased estimate of the variance of the pixel. None where nothing was
+    /// left to chance.
+    pub deviation: Option<Film>,
+    /// How far off it is: by chance, and by the light that it looked up. None where neither had a part.
+    pub error: Option<ErrorEstimate>,
     /// How many rays were traced.
     pub rays: u64,
     /// Samples whose light was not a finite number, replaced by black: a fault of the scene's
@@ -26,21 +30,11 @@ impl RenderedFrame {
     /// The two halves that it is the mean of, independent of each other; the frame itself, twice, where nothing
     /// was left to chance.
     pub fn halves(&self) -> [Film; 2] {
-        match &self.noise {
-            Some(noise) => [1.0, -1.0].map(|sign| self.film.mixed(1.0, &noise.deviation, sign)),
+        match &self.deviation {
+            Some(deviation) => [1.0, -1.0].map(|sign| self.film.mixed(1.0, deviation, sign)),
             None => [self.film.clone(), self.film.clone()],
         }
     }
-}
-
-/// What the two halves of a frame's samples tell about its noise.
-#[derive(Debug)]
-pub struct Noise {
-    /// Half the difference of the two halves, whose mean the picture is: the halves are the picture plus and
-    /// minus this. Its square is an unbiased estimate of the variance of the pixel.
-    pub deviation: Film,
-    /// The error of the frame.
-    pub error: ErrorEstimate,
 }
 
 /// How many steps of progress a frame makes that is not refined after its first samples.
@@ -62,11 +56,13 @@ pub fn render_frame(
     let sampler = Sampler::new(scene, camera, settings, frame);
     let mut estimates = Estimates::new(grid, &sampler);
     estimates.refine(grid, &sampler, |_| 1, tile_done);
+    let light_error = settings.light_errors.get(frame as usize).copied();
     if sampler.halves == 1 {
         let film = develop(settings, estimates.values);
         return RenderedFrame {
             film,
-            noise: None,
+            deviation: None,
+            error: light_error,
             rays: estimates.rays,
             non_finite_samples: estimates.non_finite,
         };
@@ -76,7 +72,8 @@ pub fn render_frame(
         let [values, deviations] = combine(&estimates);
         let width = grid.width as usize;
         let allocation = Allocation::new(&values, &deviations, width, settings.white);
-        while let Some(share) = share_to_go(&developed.1.error, target) {
+        let target = target_of_noise(target, light_error);
+        while let Some(share) = share_to_go(&developed.2, target) {
             let wanted = allocation.passes(&estimates.passes, share, sampler.most_passes());
             if wanted == estimates.passes {
                 break;
@@ -85,13 +82,21 @@ pub fn render_frame(
             developed = develop_halves(settings, &estimates);
         }
     }
-    let (film, noise) = developed;
+    let (film, deviation, noise) = developed;
     RenderedFrame {
         film,
-        noise: Some(noise),
+        deviation: Some(deviation),
+        error: Some(light_error.map_or(noise, |light| light.plus(noise))),
         rays: estimates.rays,
         non_finite_samples: estimates.non_finite,
     }
+}
+
+/// What is left of a target error by the light that is looked up: half of it at least, as no samples make good
+/// what the light takes beyond its half.
+fn target_of_noise(target: f64, light_error: Option<ErrorEstimate>) -> f64 {
+    let of_light = light_error.map_or(0.0, |light| light.interval()[1]);
+    (target - of_light).max(0.5 * target)
 }
 
 /// What share of its error should be left of a frame by its next samples; none if it is good enough.
@@ -113,7 +118,8 @@ fn combine(estimates: &Estimates) -> [Vec<Vec3>; 2] {
     ]
 }
 
-fn develop_halves(settings: &RenderSettings, estimates: &Estimates) -> (Film, Noise) {
+/// The picture, half the difference of its halves, and its noise.
+fn develop_halves(settings: &RenderSettings, estimates: &Estimates) -> (Film, Film, ErrorEstimate) {
     let [film, deviation] = combine(estimates).map(|points| develop(settings, points));
     let deviations = RelativeDeviations::new(
         film.pixels(),
@@ -122,8 +128,8 @@ fn develop_halves(settings: &RenderSettings, estimates: &Estimates) -> (Film, No
         settings.white,
         settings.sampling == PixelSampling::Corners,
     );
-    let error = ErrorEstimate::of(&deviations);
-    (film, Noise { deviation, error })
+    let noise = ErrorEstimate::of(&deviations);
+    (film, deviation, noise)
 }
 
 /// The pixels, of what is known of the points.

@@ -8,6 +8,7 @@ mod allocation;
 mod flicker;
 mod frame;
 mod grid;
+mod light_errors;
 mod noise;
 mod pixels;
 mod reprojection;
@@ -16,7 +17,8 @@ mod sequence;
 mod settings;
 
 pub use flicker::Flicker;
-pub use frame::{Noise, RenderedFrame, render_frame, tile_count};
+pub use frame::{RenderedFrame, render_frame, tile_count};
+pub use light_errors::light_errors;
 pub use noise::ErrorEstimate;
 pub use pixels::render_pixels;
 pub use reprojection::{Match, Reprojection, TILE};

@@ -2,7 +2,8 @@ use crate::metrics::normaliser;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// How far a frame is from what it would be with endless samples, by the frame alone.
+/// How far a frame is from what it would be with endless samples, by the frame alone and by what is known of
+/// the light that it looks up.
 ///
 /// The error is relMSE: the mean over pixels and channels of (x - r)^2 / (m^2 + (white / 10)^2), of this very
 /// frame x, where r is the frame without noise, and m the mean of x around the pixel: see [`normaliser`]. What
@@ -24,6 +25,14 @@ impl ErrorEstimate {
             self.relative_square_error + reach,
         );
         [low.max(0.0), high]
+    }
+
+    /// Of two parts of an error that have nothing to do with each other.
+    pub(super) fn plus(self, other: ErrorEstimate) -> ErrorEstimate {
+        ErrorEstimate {
+            relative_square_error: self.relative_square_error + other.relative_square_error,
+            standard_error: self.standard_error.hypot(other.standard_error),
+        }
     }
 
     /// The error of a picture, given how far half the difference of its halves is from 0, see

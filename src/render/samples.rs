@@ -44,12 +44,12 @@ impl<'a> Sampler<'a> {
         };
         let mut integrator = settings.integrator.clone();
         let mut halves = 1;
-        if let Integrator::MonteCarlo { splits, .. } = &mut integrator
-            && settings.has_noise()
-        {
+        if settings.has_noise() {
             halves = 2;
-            match splits.first_mut() {
-                Some(first) if samples == 1 => *first = first.div_ceil(2),
+            match &mut integrator {
+                Integrator::MonteCarlo { splits, .. } if samples == 1 && !splits.is_empty() => {
+                    splits[0] = splits[0].div_ceil(2);
+                }
                 _ => samples = samples.div_ceil(2),
             }
         }

@@ -71,7 +71,7 @@ pub fn render_sequence(
             let tile_done = |rays| observer.tile_done(rays);
             let (encoded, counted) = pool.install(|| {
                 let rendered = render_frame(scene, &camera, settings, frame, &tile_done);
-                let error = rendered.noise.as_ref().map(|noise| noise.error);
+                let error = rendered.error;
                 let counted = (rendered.rays, rendered.non_finite_samples, error);
                 (sink.encode(frame, rendered), counted)
             });

@@ -1,4 +1,7 @@
+use super::ErrorEstimate;
+use crate::illumination::Illumination;
 use crate::integrator::Integrator;
+use std::sync::Arc;
 
 /// Everything beside scene and camera that decides a frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +25,8 @@ pub struct RenderSettings {
     /// Samples are added to a frame, where it needs them, until the upper end of its error's interval, by its
     /// own estimate, is below this; above 0. Frames without chance take no notice.
     pub target_error: Option<f64>,
+    /// How far off the light is that is looked up, frame by frame of the path; of no frame if none is.
+    pub light_errors: Arc<[ErrorEstimate]>,
 }
 
 /// Where in a pixel its camera samples lie. Their mean is the pixel (box filter).
@@ -39,11 +44,17 @@ impl RenderSettings {
     /// Whether frames have noise that may be measured and made less.
     pub fn has_noise(&self) -> bool {
         match self.integrator {
-            Integrator::RayTracing { .. } | Integrator::Cached { .. } => false,
+            Integrator::RayTracing { .. } => false,
+            Integrator::Cached { .. } => self.has_noise_looking_up(),
             Integrator::MonteCarlo { bounces, .. } => {
                 bounces > 0 || matches!(self.sampling, PixelSampling::Spread(_))
             }
         }
+    }
+
+    /// The same if light is looked up: edges alone are left to chance then, and one sample has no halves.
+    pub fn has_noise_looking_up(&self) -> bool {
+        matches!(self.sampling, PixelSampling::Spread(count) if count > 1)
     }
 
     /// One sample in the middle of each pixel, seed 0, white is 1, as many samples as are given.
@@ -57,6 +68,15 @@ impl RenderSettings {
             lock_seed: false,
             white: 1.0,
             target_error: None,
+            light_errors: [].into(),
+        }
+    }
+
+    /// These settings, but that indirect light is looked up.
+    pub fn looking_up(&self, illumination: Arc<Illumination>) -> RenderSettings {
+        RenderSettings {
+            integrator: Integrator::Cached { illumination },
+            ..self.clone()
         }
     }
 }

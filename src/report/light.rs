@@ -1,11 +1,10 @@
 use super::seconds::Seconds;
 use super::{Inputs, Progress, pixels};
-use crate::bake::{BakeSettings, UNKNOWN_PATHS, bake};
-use crate::illumination::Illumination;
+use crate::bake::bake;
+use crate::input::{Mode, Settings};
 use crate::integrator::Integrator;
 use crate::render::RenderSettings;
 use serde::Serialize;
-use std::sync::Arc;
 
 /// Paths that it takes for each pixel of the sequence, about: in `test3` and in `gallery`.
 const PATHS: f64 = 0.1;
@@ -37,37 +36,36 @@ impl Bake {
 /// It is worked out once, for all that looks it up: what is wrong with it is the same in every picture, whatever
 /// the seed, and counts as bias.
 pub(super) struct PathLight {
-    illumination: Arc<Illumination>,
+    looking_up: RenderSettings,
     pub(super) bake: Bake,
 }
 
 impl PathLight {
     pub(super) fn new(inputs: &Inputs, progress: &mut Progress) -> PathLight {
-        let settings = inputs.given.resolve();
-        let bounces = match settings.integrator {
-            Integrator::RayTracing { bounces } | Integrator::MonteCarlo { bounces, .. } => bounces,
-            Integrator::Cached { illumination, .. } => illumination.bounces(),
+        let exact = Settings {
+            mode: Some(Mode::Montecarlo),
+            target_error: None,
+            ..inputs.given.clone()
         };
-        let settings = BakeSettings {
-            width: settings.width,
-            height: settings.height,
-            bounces,
-            seed: settings.seed,
-        };
-        let (illumination, seconds) = Seconds::of(|| {
+        let exact = exact.resolve();
+        let (baked, seconds) = Seconds::of(|| {
             progress.part(work(inputs), |listener| {
-                bake(inputs.scene, inputs.path, &settings, listener)
+                bake(inputs.scene, inputs.path, "path", &exact, None, listener)
             })
         });
-        let bake = Bake {
+        let mut bake = Bake {
             seconds: seconds.wall,
             cpu_seconds: seconds.cpu,
             frames: inputs.path.timeline().frame_count(),
-            places: illumination.place_count(),
-            bytes: illumination.memory(),
+            places: [0, 0],
+            bytes: 0,
         };
+        if let Integrator::Cached { illumination } = &baked.settings.integrator {
+            bake.places = illumination.place_count();
+            bake.bytes = illumination.memory();
+        }
         PathLight {
-            illumination: Arc::new(illumination),
+            looking_up: baked.settings,
             bake,
         }
     }
@@ -75,10 +73,8 @@ impl PathLight {
     /// The settings of frames that look it up, given those of frames that gather.
     pub(super) fn looked_up(&self, settings: RenderSettings) -> RenderSettings {
         RenderSettings {
-            integrator: Integrator::Cached {
-                illumination: self.illumination.clone(),
-                paths: UNKNOWN_PATHS,
-            },
+            integrator: self.looking_up.integrator.clone(),
+            light_errors: self.looking_up.light_errors.clone(),
             ..settings
         }
     }

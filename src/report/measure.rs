@@ -173,7 +173,7 @@ fn take(inputs: &Inputs, technique: &Technique, settings: &RenderSettings, frame
             };
             let rendered = render_frame(inputs.scene, &camera, &settings, frame, &|_| ());
             rays += rendered.rays;
-            error = rendered.noise.map(|noise| noise.error);
+            error = rendered.error;
             for (sum, pixel) in sum.pixels_mut().iter_mut().zip(rendered.film.pixels()) {
                 *sum += *pixel / technique.repeats as f32;
             }

@@ -10,7 +10,7 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::bake::{BakeSettings, UNKNOWN_PATHS, bake};
+use flythrough::bake::LightCache;
 use flythrough::input::{InputFiles, Mode, Settings, load_camera_path, load_scene};
 use flythrough::integrator::Integrator;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
@@ -55,13 +55,10 @@ fn main() {
     };
 
     let start = Instant::now();
-    let settings = BakeSettings {
-        width: exact.width,
-        height: exact.height,
-        bounces,
-        seed: exact.seed,
-    };
-    let illumination = Arc::new(bake(&scene, &path, &settings, &|_, _| ()));
+    let mut cache = LightCache::new(&scene, bounces, exact.seed, 0);
+    let size = (exact.width, exact.height);
+    cache.extend(&scene, &path, "path", size, &|_, _| ());
+    let illumination = Arc::new(cache.illumination());
     let baked = start.elapsed().as_secs_f64();
     let [visible, secondary] = illumination.place_count();
     println!(
@@ -69,13 +66,7 @@ fn main() {
         illumination.memory() as f64 / 1e6
     );
 
-    let cached = RenderSettings {
-        integrator: Integrator::Cached {
-            illumination,
-            paths: UNKNOWN_PATHS,
-        },
-        ..exact.clone()
-    };
+    let cached = exact.looking_up(illumination);
     let direct = RenderSettings {
         integrator: Integrator::RayTracing { bounces },
         ..exact.clone()

@@ -1,0 +1,24 @@
+use super::args::BakeArguments;
+use super::light::PathLight;
+use super::loading::load;
+use super::{Failure, Status};
+use crate::input::{GlobalIllumination, Mode, Settings};
+
+pub(super) fn run(arguments: &BakeArguments) -> Result<Status, Failure> {
+    let flags = arguments.settings.settings();
+    flags.check().map_err(|error| error.of_flag())?;
+    let loaded = load(&arguments.input, arguments.threads)?;
+    let given = flags
+        .or(loaded.path.settings.clone())
+        .or(loaded.scene.settings.clone());
+    let given = Settings {
+        mode: given.mode.or(Some(Mode::Montecarlo)),
+        gi: Some(GlobalIllumination::Path),
+        ..given
+    };
+    given.check_together()?;
+    let exact = given.resolve();
+    let light = PathLight::open(Some(&arguments.out), &loaded, &exact, arguments.force)?;
+    light.bake(&loaded, &exact, arguments.quiet)?;
+    Ok(Status::Done)
+}

@@ -1,0 +1,146 @@
+use super::loading::Loaded;
+use super::progress::{ShareProgress, clock};
+use super::{Failure, warn};
+use crate::bake::{Baked, LightCache, bake};
+use crate::integrator::Integrator;
+use crate::output::LightFile;
+use crate::render::{ErrorEstimate, PixelSampling, RenderSettings};
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+
+/// The light of a path, as far as a file holds it already.
+pub(super) struct PathLight {
+    /// The file, if it is kept.
+    file: Option<LightFile>,
+    found: Option<LightCache>,
+    /// What the path is called there.
+    name: String,
+}
+
+impl PathLight {
+    /// Opens the file, if one is named; `exact` are the settings of frames that gather light exactly.
+    pub(super) fn open(
+        file: Option<&Path>,
+        loaded: &Loaded,
+        exact: &RenderSettings,
+        force: bool,
+    ) -> Result<PathLight, Failure> {
+        // Only where the error decides on the light what it is measured by does, too.
+        let target = exact.target_error.map(|target| {
+            let is_spread = matches!(exact.sampling, PixelSampling::Spread(_));
+            (target, exact.white, is_spread)
+        });
+        let decisive = format!(
+            "{} {} {}x{} {target:?} {}",
+            exact.integrator.bounces(),
+            exact.seed,
+            exact.width,
+            exact.height,
+            env!("CARGO_PKG_VERSION")
+        );
+        let mut fingerprint = blake3::Hasher::new();
+        fingerprint.update(loaded.scene_fingerprint.as_bytes());
+        fingerprint.update(decisive.as_bytes());
+        let file = file.map(|file| LightFile::new(file, fingerprint.finalize()));
+        let found = match &file {
+            Some(file) => file.read(force)?,
+            None => None,
+        };
+        Ok(PathLight {
+            file,
+            found,
+            name: loaded.path_fingerprint.to_string(),
+        })
+    }
+
+    /// The names of all paths that the light will be of, in the order in which they were added: it depends on
+    /// them.
+    pub(super) fn paths(&self) -> Vec<String> {
+        let mut paths = self
+            .found
+            .as_ref()
+            .map_or(Vec::new(), |c| c.paths().to_vec());
+        if !paths.contains(&self.name) {
+            paths.push(self.name.clone());
+        }
+        paths
+    }
+
+    /// Works out what is missing, keeps it, and says what it took.
+    pub(super) fn bake(
+        self,
+        loaded: &Loaded,
+        exact: &RenderSettings,
+        quiet: bool,
+    ) -> Result<RenderSettings, Failure> {
+        let is_complete = self.found.as_ref().is_some_and(|c| c.covers(&self.name));
+        let file = self.file.filter(|_| !is_complete);
+        if let Some(file) = &file {
+            file.try_out()?;
+        }
+        let start = Instant::now();
+        let progress = ShareProgress::new(quiet);
+        let listener = |share, what| progress.at(share, what);
+        let (scene, path) = (&loaded.scene.scene, &loaded.path.path);
+        let work = || bake(scene, path, &self.name, exact, self.found, &listener);
+        let baked = loaded.pool.install(work);
+        progress.finish();
+        if let Some(file) = file {
+            file.write(&baked.cache)?;
+        }
+        if !quiet {
+            let what = match is_complete {
+                true => "read and held against exact light",
+                false => "worked out",
+            };
+            let mut out = std::io::stdout();
+            // Nobody has to read it.
+            let _ = writeln!(
+                out,
+                "light of the path {what} in {}",
+                clock(start.elapsed())
+            );
+            let _ = writeln!(out, "{}", summary(&baked.settings));
+        }
+        if let Some(warning) = shortfall(&baked, exact) {
+            warn(&[warning]);
+        }
+        Ok(baked.settings)
+    }
+}
+
+/// How much light there is, and its error.
+fn summary(settings: &RenderSettings) -> String {
+    let mut summary = String::new();
+    if let Integrator::Cached { illumination } = &settings.integrator {
+        let [visible, secondary] = illumination.place_count();
+        let megabytes = illumination.memory() as f64 / 1e6;
+        summary += &format!(
+            "  {visible} places that the camera sees, {secondary} beyond, {megabytes:.1} MB in memory"
+        );
+    }
+    let errors = || (0..).zip(settings.light_errors.iter());
+    let of = |error: &ErrorEstimate| error.relative_square_error;
+    if let Some((frame, worst)) = errors().max_by(|a, b| of(a.1).total_cmp(&of(b.1))) {
+        let mean = errors().map(|(_, e)| of(e)).sum::<f64>() / errors().count() as f64;
+        let [low, high] = worst.interval();
+        summary += &format!(
+            "\n  error of the light (relMSE) {mean:.2e} on average, at worst {:.2e} ({low:.2e} to {high:.2e}) \
+             around frame {frame}",
+            of(worst)
+        );
+    }
+    summary
+}
+
+/// What to say of light that is not good enough.
+fn shortfall(baked: &Baked, exact: &RenderSettings) -> Option<String> {
+    let target = exact.target_error.filter(|_| !baked.reaches_target)?;
+    let errors = baked.settings.light_errors.iter();
+    let worst = errors.map(|error| error.interval()[1]).fold(0.0, f64::max);
+    Some(format!(
+        "the light of the path leaves too little room for the error of {target}: its own may be up to {worst:.2e}; \
+         --gi exact has no such limit"
+    ))
+}

@@ -29,7 +29,7 @@ pub(super) fn advice(
         let slope = (b.relative_square_error / a.relative_square_error).ln()
             / (b.full_size_seconds / a.full_size_seconds).ln();
         // What falls no more never gets there, and what adds samples itself is told its own target.
-        let falls = b.takes_target_error
+        let falls = b.falls_with_samples
             && a.curve == b.curve
             && ends_curve
             && slope < -0.5
@@ -56,7 +56,7 @@ mod tests {
             curve,
             flags: flags.to_owned(),
             is_setting: curve != "none",
-            takes_target_error: true,
+            falls_with_samples: true,
             size: (10, 10),
             seconds: 0.01 * seconds,
             cpu_seconds: 0.01 * seconds,
@@ -108,7 +108,7 @@ mod tests {
         ];
         for measured in &mut all {
             measured.bake_seconds = 0.5;
-            measured.takes_target_error = false;
+            measured.falls_with_samples = false;
         }
         let said = advice(&all, 0.01, (100, 100));
         assert!(
@@ -117,7 +117,7 @@ mod tests {
             ),
             "{said}"
         );
-        // Its error falls here, but the light's own is left, and --target-error is refused.
+        // Its error falls here, but the light's own is left.
         let said = advice(&all, 0.001, (100, 100));
         assert!(said.ends_with("no setting measured gets there."), "{said}");
     }

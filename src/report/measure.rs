@@ -17,8 +17,8 @@ pub struct Measurement {
     pub flags: String,
     /// Whether that gives it: not if it is a mean of renderings, or takes so long that nobody would.
     pub is_setting: bool,
-    /// Whether `--target-error` can be added to the flags.
-    pub takes_target_error: bool,
+    /// Whether `--target-error` can be added to the flags and more samples will do.
+    pub falls_with_samples: bool,
     /// Columns and rows.
     pub size: (u32, u32),
     /// Seconds per frame.
@@ -108,7 +108,7 @@ pub(super) fn measure(
         curve: technique.curve,
         flags: technique.flags(),
         is_setting: technique.repeats == 1 && !technique.is_tiny,
-        takes_target_error: technique.takes_target_error(),
+        falls_with_samples: technique.falls_with_samples(),
         size,
         seconds,
         cpu_seconds: over(&|(taken, _)| taken.seconds.cpu),

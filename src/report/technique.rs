@@ -178,13 +178,15 @@ impl Technique {
         self.settings.gi == Some(GlobalIllumination::Path)
     }
 
-    /// Whether `--target-error` can be added to the flags.
-    pub(super) fn takes_target_error(&self) -> bool {
+    /// Whether `--target-error` can be added to the flags and more samples will do: they leave the error of
+    /// light that is looked up.
+    pub(super) fn falls_with_samples(&self) -> bool {
         let targeted = Settings {
             target_error: Some(LEAST_TARGET_ERROR),
             ..self.settings.clone()
         };
-        self.settings.target_error.is_none() && targeted.check_together().is_ok()
+        let is_free = self.settings.target_error.is_none() && !self.looks_up();
+        is_free && targeted.check_together().is_ok()
     }
 
     /// About how many paths each pixel takes, for a forecast.
@@ -225,8 +227,8 @@ mod tests {
             let flags = technique.flags();
             let gathers = flags.contains("montecarlo") && !flags.contains("--gi path");
             let has_target = flags.contains("--target-error");
-            let takes = technique.takes_target_error();
-            assert_eq!(takes, gathers && !has_target, "{flags}");
+            let falls = technique.falls_with_samples();
+            assert_eq!(falls, gathers && !has_target, "{flags}");
             assert_eq!(technique.looks_up(), flags.contains("--gi path"), "{flags}");
         }
     }

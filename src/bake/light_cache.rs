@@ -43,7 +43,7 @@ const LEAST_SECONDARY: f32 = 0.4;
 const PATHS: u32 = 160;
 
 /// Paths from each secondary place, for each number of bounces.
-const SECONDARY_PATHS: u32 = 48;
+const SECONDARY_PATHS: u32 = 32;
 
 /// How often what is seen from secondary places gets secondary places, too.
 const ROUNDS: u32 = 8;

@@ -8,6 +8,9 @@ use crate::scene::Scene;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+/// No more places are chosen: some gigabytes. What they do not cover is gathered for in each frame.
+const MOST: usize = 1 << 21;
+
 /// How close places lie.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub(super) struct Density {
@@ -98,11 +101,12 @@ impl Placement {
     /// their group, for which the work is in vain.
     pub(super) fn cover(&mut self, scene: &Scene, candidates: &[Candidate]) -> Vec<Candidate> {
         let mut hits = Vec::new();
-        let mut rest = self.uncovered(candidates);
-        while !rest.is_empty() {
+        let uncovered = self.uncovered(candidates);
+        let mut rest = &uncovered[..];
+        while !rest.is_empty() && self.points.len() < MOST {
             let count = (self.points.len() / 4).clamp(16, 512).min(rest.len());
-            let later = rest.split_off(count);
-            let group = self.uncovered(&rest);
+            let (next, later) = rest.split_at(count);
+            let group = self.uncovered(next);
             let probe = |candidate: &Candidate| self.probe(scene, &candidate.point);
             let probes: Vec<Probe> = group.par_iter().map(probe).collect();
             for (candidate, probe) in group.iter().zip(probes) {

@@ -1,3 +1,4 @@
+use super::Places;
 use super::place::{HEIGHT, Place};
 use super::visible::Linear;
 use crate::math::Aabb;
@@ -22,26 +23,19 @@ pub(super) struct LookUp {
 }
 
 impl LookUp {
-    /// Of up to [`LANES`] points with unit normals, one at least.
-    pub(super) fn new(points: impl Iterator<Item = (Vec3, Vec3)> + Clone, turn: f32) -> LookUp {
-        let bounds = Aabb::of(points.clone().map(|(position, _)| position));
-        let mut look_up = LookUp {
-            position: [[0.0; LANES]; 3],
-            normal: [[0.0; LANES]; 3],
+    /// Of points with unit normals.
+    pub(super) fn new(points: [(Vec3, Vec3); LANES], turn: f32) -> LookUp {
+        let bounds = Aabb::of(points.iter().map(|(position, _)| *position));
+        let lanes = |of: &dyn Fn(&(Vec3, Vec3)) -> f32| points.each_ref().map(of);
+        LookUp {
+            position: [0, 1, 2].map(|axis| lanes(&|(position, _)| position[axis])),
+            normal: [0, 1, 2].map(|axis| lanes(&|(_, normal)| normal[axis])),
             turn,
             center: bounds.center(),
             extent: 0.5 * bounds.extent().length(),
             sums: [[0.0; LANES]; 3],
             weights: [0.0; LANES],
-        };
-        // Lanes that are left over repeat the points.
-        for (lane, (position, normal)) in points.cycle().take(LANES).enumerate() {
-            for axis in 0..3 {
-                look_up.position[axis][lane] = position[axis];
-                look_up.normal[axis][lane] = normal[axis];
-            }
         }
-        look_up
     }
 
     /// Whether a place may reach any of the points.
@@ -52,9 +46,18 @@ impl LookUp {
         place.position.distance_squared(self.center) < reach * reach
     }
 
+    /// Adds what those of all places say that have the numbers given.
+    #[inline(always)]
+    pub(super) fn add_all(&mut self, numbers: &[u32], places: &Places, light: &[Linear]) {
+        for &number in numbers {
+            let number = number as usize;
+            self.add(&places[number], &light[number]);
+        }
+    }
+
     /// Adds what a place says, with its [`Place::weight`].
     #[inline(always)]
-    pub(super) fn add(&mut self, place: &Place, light: &Linear) {
+    fn add(&mut self, place: &Place, light: &Linear) {
         if !self.may_reach(place) {
             return;
         }
@@ -118,10 +121,9 @@ mod tests {
         let mut random = Random::new(1);
         let mut normal = move || random.vector(1.0).normalize();
         let mut random = Random::new(2);
-        let points: Vec<(Vec3, Vec3)> =
-            (0..LANES).map(|_| (random.vector(1.0), normal())).collect();
+        let points = [(); LANES].map(|()| (random.vector(1.0), normal()));
         let turn = 0.7;
-        let mut look_up = LookUp::new(points.iter().copied(), turn);
+        let mut look_up = LookUp::new(points, turn);
         let mut sums = [(Vec3::ZERO, 0.0); LANES];
         for _ in 0..400 {
             let mut walls = Walls::default();

@@ -9,6 +9,7 @@
 //! Knows nothing of how light is gathered.
 
 mod box_tree;
+mod kernel;
 mod look_up;
 mod place;
 mod places;

@@ -1,5 +1,6 @@
+use super::kernel::add_all;
 use super::look_up::{LANES, LookUp};
-use super::{Leaf, Places};
+use super::{BoxTree, Leaf, Places};
 use glam::Vec3;
 
 /// The light at a place, and how it changes along the surface.
@@ -36,17 +37,24 @@ impl VisibleLight {
     /// 1988, "Multivariate Interpolation of Large Sets of Scattered Data").
     pub fn lights(&self, points: &[(Vec3, Vec3)]) -> Vec<Option<Vec3>> {
         let mut lights = vec![None; points.len()];
-        for same in by_leaf(&self.places, points).chunk_by(|a, b| a.0 == b.0) {
-            for numbers in same.chunks(LANES) {
-                let of_number = |&(_, number): &(u32, u32)| points[number as usize];
-                let mut look_up = LookUp::new(numbers.iter().map(of_number), self.places.turn());
-                for &place in self.places.tree().boxes(same[0].0) {
-                    let place = place as usize;
-                    look_up.add(&self.places[place], &self.light[place]);
+        let tree = self.places.tree();
+        let mut rest = leaves(tree, points);
+        while let Some(&(node, first)) = rest.first() {
+            // Those of the same leaf, as many as fit; lanes that are left over repeat the first.
+            let mut group = [first; LANES];
+            let mut count = 0;
+            rest.retain(|&(leaf, number)| {
+                let joins = leaf == node && count < LANES;
+                if joins {
+                    group[count] = number;
+                    count += 1;
                 }
-                for (lane, &(_, number)) in numbers.iter().enumerate() {
-                    lights[number as usize] = look_up.light(lane);
-                }
+                !joins
+            });
+            let mut look_up = LookUp::new(group.map(|n| points[n as usize]), self.places.turn());
+            add_all(&mut look_up, tree.boxes(node), &self.places, &self.light);
+            for (lane, &number) in group[..count].iter().enumerate() {
+                lights[number as usize] = look_up.light(lane);
             }
         }
         for (light, (position, normal)) in lights.iter_mut().zip(points) {
@@ -75,16 +83,14 @@ impl VisibleLight {
     }
 }
 
-/// The leaf that each point lies in, and the point's number: sorted.
-fn by_leaf(places: &Places, points: &[(Vec3, Vec3)]) -> Vec<(u32, u32)> {
+/// The number of the leaf that each point lies in, and the point's.
+fn leaves(tree: &BoxTree, points: &[(Vec3, Vec3)]) -> Vec<(u32, u32)> {
     let mut last: Option<Leaf> = None;
     let leaf = |(number, (position, _)): (u32, &(Vec3, Vec3))| {
         let same = last.filter(|leaf| leaf.holds(*position));
-        let leaf = same.unwrap_or_else(|| places.tree().leaf(*position));
+        let leaf = same.unwrap_or_else(|| tree.leaf(*position));
         last = Some(leaf);
         (leaf.node, number)
     };
-    let mut leaves: Vec<(u32, u32)> = (0..).zip(points).map(leaf).collect();
-    leaves.sort_unstable();
-    leaves
+    (0..).zip(points).map(leaf).collect()
 }

@@ -29,13 +29,16 @@ impl Cached<'_> {
         }
         let gathers = |surface: &&Surface| surface.reflectance.gathers::<F>();
         let surface = |number: usize| step.surfaces[number].as_ref().filter(gathers);
-        let points = (0..step.surfaces.len()).filter_map(|number| {
-            let point = &surface(number)?.point;
-            Some((number, (point.position, point.shading_normal)))
-        });
-        let (numbers, points): (Vec<usize>, Vec<(Vec3, Vec3)>) = points.unzip();
+        let count = step.surfaces.len();
+        let (mut numbers, mut points) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for number in 0..count {
+            if let Some(Surface { point, .. }) = surface(number) {
+                numbers.push(number);
+                points.push((point.position, point.shading_normal));
+            }
+        }
         let known = &self.illumination.visible[step.bounces_left as usize - 1];
-        let mut lights = vec![Vec3::ZERO; step.surfaces.len()];
+        let mut lights = vec![Vec3::ZERO; count];
         let mut unknown = Vec::new();
         for (number, light) in numbers.into_iter().zip(known.lights(&points)) {
             match light {
@@ -51,6 +54,9 @@ impl Cached<'_> {
                 index: sample.index,
             })
         };
+        if unknown.is_empty() {
+            return lights;
+        }
         let points: Vec<GatherPoint> = unknown.iter().filter_map(point).collect();
         let gathered = gather_for::<F>(
             self.scene,

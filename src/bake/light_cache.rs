@@ -39,8 +39,9 @@ const LEAST_PIXELS: [f32; 2] = [4.0, 10.0];
 /// No secondary place is smaller than this share of the usual distance between surfaces.
 const LEAST_SECONDARY: f32 = 0.4;
 
-/// Paths from each place that the camera sees.
-const PATHS: u32 = 160;
+/// Paths from each place that the camera sees, and from each that it sees in mirrors, which are but a part of
+/// the light.
+const PATHS: [u32; 2] = [160, 80];
 
 /// Paths from each secondary place, for each number of bounces.
 const SECONDARY_PATHS: u32 = 32;
@@ -261,11 +262,12 @@ impl LightCache {
                 listener(0.5 + 0.47 * before as f64 / all as f64, "visible light");
             }
         };
+        let bounces = self.bounces();
         for (left, layer) in (1..).zip(&mut self.visible) {
             let gathering = Gathering {
                 scene,
                 left,
-                paths: PATHS << self.fineness,
+                paths: PATHS[usize::from(left < bounces)] << self.fineness,
                 purpose: Purpose::VisibleLight,
                 seed: self.seed,
             };

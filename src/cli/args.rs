@@ -194,7 +194,7 @@ pub(super) struct SettingsArguments {
     target_error: Option<f64>,
     /// How the montecarlo modes know the light that is gathered at what the camera sees: exact, at every
     /// camera sample, or path, worked out once for the whole path and looked up: many times as fast, and off by
-    /// a few thousandths on average [default: exact]
+    /// a few thousandths on average [default: path for sequences, unless splits are set; exact for stills]
     #[arg(long, value_name = "HOW")]
     gi: Option<GlobalIllumination>,
 }

@@ -21,7 +21,10 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     let light = light(arguments, &given, &loaded, &settings)?;
     if arguments.aov.is_some() {
         let (has_noise, advice) = match &light {
-            Some(_) => (settings.has_noise_looking_up(), "take more camera samples"),
+            Some(_) => (
+                settings.has_noise_looking_up(),
+                "take more camera samples, or --gi exact",
+            ),
             None => (settings.has_noise(), "choose a montecarlo mode"),
         };
         if !has_noise {
@@ -136,13 +139,14 @@ fn light(
     exact: &RenderSettings,
 ) -> Result<Option<PathLight>, Failure> {
     let file = arguments.gi_cache.as_deref();
-    match (given.gi.unwrap_or_default(), file) {
-        (GlobalIllumination::Path, _) => {
+    let frames = loaded.path.path.timeline().frame_count();
+    match given.global_illumination(frames) {
+        GlobalIllumination::Path => {
             let light = PathLight::open(file, loaded, exact, arguments.force)?;
             Ok(Some(light))
         }
-        (GlobalIllumination::Exact, None) => Ok(None),
-        (GlobalIllumination::Exact, Some(_)) => Err("--gi-cache: add --gi path".into()),
+        GlobalIllumination::Exact if file.is_some() => Err("--gi-cache: add --gi path".into()),
+        GlobalIllumination::Exact => Ok(None),
     }
 }
 

@@ -103,7 +103,7 @@ mod tests {
             };
             let [mut set, mut measured] = [arguments.settings.settings(), technique.settings];
             for settings in [&mut set, &mut measured] {
-                settings.gi.get_or_insert_default();
+                settings.gi = Some(settings.global_illumination(9));
             }
             assert_eq!(set, measured, "{flags}");
         }

@@ -57,11 +57,10 @@ impl fmt::Display for Mode {
 }
 
 /// How the montecarlo modes know the light that is gathered at what the camera sees.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(try_from = "String")]
 pub enum GlobalIllumination {
     /// It is gathered at every camera sample.
-    #[default]
     Exact,
     /// It is worked out once for the whole camera path, and looked up.
     Path,
@@ -84,15 +83,6 @@ impl TryFrom<String> for GlobalIllumination {
 
     fn try_from(name: String) -> Result<GlobalIllumination, String> {
         name.parse()
-    }
-}
-
-impl fmt::Display for GlobalIllumination {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(match self {
-            GlobalIllumination::Exact => "exact",
-            GlobalIllumination::Path => "path",
-        })
     }
 }
 
@@ -231,6 +221,21 @@ impl Settings {
         Ok(())
     }
 
+    /// How gathered light is known in a sequence of so many frames. Where nothing says so: looked up in
+    /// montecarlo sequences of more than one, unless `splits` say how it is gathered.
+    pub fn global_illumination(&self, frames: u32) -> GlobalIllumination {
+        let gathers = !matches!(
+            self.mode.unwrap_or_default(),
+            Mode::Raytracing | Mode::Supersampling
+        );
+        self.gi
+            .unwrap_or(if gathers && frames > 1 && self.splits.is_none() {
+                GlobalIllumination::Path
+            } else {
+                GlobalIllumination::Exact
+            })
+    }
+
     /// The settings of frames, with defaults for what nothing says: raytracing, 1280 x 720,
     /// 4 bounces, 32 paths from the first diffuse bounce, seed 0.
     pub fn resolve(&self) -> RenderSettings {
@@ -297,6 +302,27 @@ mod tests {
             Integrator::MonteCarlo { bounces: 2, splits }
         );
         assert_eq!((resolved.width, resolved.height), (1280, 720));
+    }
+
+    #[test]
+    fn sequences_look_light_up_unless_something_else_is_said() {
+        use GlobalIllumination::{Exact, Path};
+        let known = |mode: Mode, splits: Option<Vec<u32>>, gi, frames| {
+            let settings = Settings {
+                mode: Some(mode),
+                splits,
+                gi,
+                ..Settings::default()
+            };
+            settings.global_illumination(frames)
+        };
+        assert_eq!(known(Mode::Montecarlo, None, None, 2), Path);
+        assert_eq!(known(Mode::MontecarloSupersampling, None, None, 2), Path);
+        assert_eq!(known(Mode::Montecarlo, None, None, 1), Exact);
+        assert_eq!(known(Mode::Montecarlo, Some(vec![8]), None, 2), Exact);
+        assert_eq!(known(Mode::Supersampling, None, None, 2), Exact);
+        assert_eq!(known(Mode::Montecarlo, None, Some(Exact), 2), Exact);
+        assert_eq!(known(Mode::Montecarlo, None, Some(Path), 1), Path);
     }
 
     #[test]

@@ -163,9 +163,8 @@ impl Technique {
         if let Some(target) = target_error {
             flags += &format!(" --target-error {target}");
         }
-        let default = GlobalIllumination::default();
-        if let Some(gi) = gi.filter(|gi| *gi != default) {
-            flags += &format!(" --gi {gi}");
+        if *gi == Some(GlobalIllumination::Path) {
+            flags += " --gi path";
         }
         if self.repeats > 1 {
             flags += &format!(", the mean of {} seeds", self.repeats);

@@ -109,10 +109,10 @@ fn the_error_is_known_and_met() {
         bake(&scene, &path, "path", &exact, None, &|_, _| ())
     };
     let references = [1, 4, 7].map(|n| (n, frame(&scene, &path, &monte_carlo(4, &[2048]), n)));
-    let (usual, finer) = (baked(None), baked(Some(3e-4)));
+    let (usual, finer) = (baked(None), baked(Some(2e-4)));
     assert!(usual.reaches_target && finer.reaches_target);
     assert!(finer.cache.fineness() > usual.cache.fineness());
-    for (baked, most) in [(&usual, 0.001), (&finer, 3e-4)] {
+    for (baked, most) in [(&usual, 0.001), (&finer, 2e-4)] {
         let settings = &baked.settings;
         assert_eq!(settings.light_errors.len(), 9);
         let errors = references.each_ref().map(|(number, reference)| {

@@ -39,9 +39,13 @@ const LEAST_PIXELS: [f32; 2] = [4.0, 10.0];
 /// No secondary place is smaller than this share of the usual distance between surfaces.
 const LEAST_SECONDARY: f32 = 0.4;
 
-/// Paths from each place that the camera sees, and from each that it sees in mirrors, which are but a part of
-/// the light.
-const PATHS: [u32; 2] = [160, 80];
+/// Paths from all places that the camera sees: noise is what is left on even walls, and few places take little
+/// time.
+const PATHS: usize = 16_000_000;
+
+/// But from each no fewer and no more.
+const LEAST_PATHS: usize = 160;
+const MOST_PATHS: usize = 480;
 
 /// Paths from each secondary place, for each number of bounces.
 const SECONDARY_PATHS: u32 = 32;
@@ -263,11 +267,14 @@ impl LightCache {
             }
         };
         let bounces = self.bounces();
+        let paths = (PATHS / all.max(1)).clamp(LEAST_PATHS, MOST_PATHS) as u32;
         for (left, layer) in (1..).zip(&mut self.visible) {
+            // What mirrors show is but a part of the light.
+            let paths = if left < bounces { paths / 2 } else { paths };
             let gathering = Gathering {
                 scene,
                 left,
-                paths: PATHS[usize::from(left < bounces)] << self.fineness,
+                paths: paths << self.fineness,
                 purpose: Purpose::VisibleLight,
                 seed: self.seed,
             };

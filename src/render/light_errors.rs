@@ -17,7 +17,7 @@ const MOST: u64 = 4096;
 const WINDOW: usize = 1024;
 
 /// Of each of the two estimates of a pixel.
-const PATHS: u32 = 512;
+const PATHS: u32 = 256;
 
 /// Nothing else has this seed.
 const SEED: u32 = 7 << 24;

@@ -27,6 +27,14 @@ fn glide(eyes: [DVec3; 2], target: DVec3) -> CameraPath {
     CameraPath::new(8.0, Interpolation::Linear, &keys).unwrap()
 }
 
+/// From the left to the right of `scenes/test3.ron`.
+fn across_the_room() -> CameraPath {
+    glide(
+        [DVec3::new(-0.5, 0.0, 3.0), DVec3::new(0.5, 0.1, 2.6)],
+        DVec3::new(0.0, -0.1, 0.0),
+    )
+}
+
 /// Looks up the light that is worked out for a path.
 fn cached(scene: &Scene, path: &CameraPath, bounces: u32) -> Integrator {
     let exact = settings(monte_carlo(bounces, &[1]), SIZE.0, SIZE.1);
@@ -77,10 +85,7 @@ fn light_inside_a_sphere_for_every_number_of_bounces() {
 #[test]
 fn a_room_agrees_with_paths_of_which_nothing_is_looked_up() {
     let scene = shipped_scene("test3.ron");
-    let path = glide(
-        [DVec3::new(-0.5, 0.0, 3.0), DVec3::new(0.5, 0.1, 2.6)],
-        DVec3::new(0.0, -0.1, 0.0),
-    );
+    let path = across_the_room();
     let cached = cached(&scene, &path, 4);
     for number in [0, 8] {
         let pixels = frame(&scene, &path, &cached, number);
@@ -97,10 +102,7 @@ fn a_room_agrees_with_paths_of_which_nothing_is_looked_up() {
 #[test]
 fn the_error_is_known_and_met() {
     let scene = shipped_scene("test3.ron");
-    let path = glide(
-        [DVec3::new(-0.5, 0.0, 3.0), DVec3::new(0.5, 0.1, 2.6)],
-        DVec3::new(0.0, -0.1, 0.0),
-    );
+    let path = across_the_room();
     let baked = |target_error: Option<f64>| {
         let exact = RenderSettings {
             target_error,

@@ -53,8 +53,10 @@ const SECONDARY_PATHS: u32 = 32;
 /// How often what is seen from secondary places gets secondary places, too.
 const ROUNDS: u32 = 8;
 
-/// The sizes of finer places, each a share of the next coarser ones: half as large.
-const FINER: f32 = 0.7;
+/// The sizes of finer places, of the usual ones: each half as large as the next coarser.
+fn scale(fineness: u32) -> f32 {
+    0.7_f32.powi(fineness as i32)
+}
 
 /// The light of what some camera paths see, and what it takes to add more.
 #[derive(Debug, Serialize, Deserialize)]
@@ -101,7 +103,7 @@ impl LightCache {
     /// has twice as many places as the last, and twice as many paths from each of them.
     pub fn new(scene: &Scene, bounces: u32, seed: u32, fineness: u32) -> LightCache {
         let finer = |density: Density| Density {
-            radius: density.radius * FINER.powi(fineness as i32),
+            radius: density.radius * scale(fineness),
             ..density
         };
         let visible = |left: u32| {
@@ -190,7 +192,7 @@ impl LightCache {
         }
         let frames = path.timeline().frame_count();
         let bounces = self.bounces();
-        let scale = FINER.powi(self.fineness as i32);
+        let scale = scale(self.fineness);
         for (turn, frame) in (0..).zip(spread(frames)) {
             listener(0.3 * f64::from(turn) / f64::from(frames), "visible places");
             let film = Film {
@@ -219,7 +221,7 @@ impl LightCache {
         let usual = visible
             .map(|layer| &layer.placement)
             .find_map(Placement::usual_distance);
-        let scale = FINER.powi(self.fineness as i32);
+        let scale = scale(self.fineness);
         let least_radius = scale * LEAST_SECONDARY * usual.unwrap_or(0.0);
         for _ in 0..ROUNDS {
             for hit in &mut hits {

@@ -94,6 +94,24 @@ impl Places {
         }
     }
 
+    /// The mean of a value that each place has, over the places and with the weights of [`Places::visit`]; none
+    /// if there are none.
+    #[inline]
+    pub(super) fn mean(
+        &self,
+        position: Vec3,
+        normal: Vec3,
+        reach: f32,
+        value: impl Fn(usize) -> Vec3,
+    ) -> Option<Vec3> {
+        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
+        self.visit(position, normal, reach, |number, weight| {
+            sum += weight * value(number);
+            weights += weight;
+        });
+        (weights > 0.0).then(|| sum / weights)
+    }
+
     /// Whether a point lies within `share` of the radius of a place.
     pub fn cover(&self, position: Vec3, normal: Vec3, share: f32) -> bool {
         self.tree.around(position).iter().any(|&number| {

@@ -22,12 +22,8 @@ impl SecondaryLight {
         if distance < self.nearest {
             return None;
         }
-        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
-        self.places.visit(position, normal, 1.0, |number, weight| {
-            sum += weight * level[number];
-            weights += weight;
-        });
-        (weights > 0.0).then(|| sum / weights)
+        self.places
+            .mean(position, normal, 1.0, |number| level[number])
     }
 
     /// Bytes.

@@ -68,13 +68,8 @@ impl VisibleLight {
     /// As the places say that a point lies just beside.
     fn light_beside(&self, position: Vec3, normal: Vec3) -> Option<Vec3> {
         const REACH: f32 = 2.0;
-        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
-        self.places
-            .visit(position, normal, REACH, |number, weight| {
-                sum += weight * self.light[number].light;
-                weights += weight;
-            });
-        (weights > 0.0).then(|| sum / weights)
+        let light = |number: usize| self.light[number].light;
+        self.places.mean(position, normal, REACH, light)
     }
 
     /// Bytes.

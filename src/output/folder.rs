@@ -203,6 +203,12 @@ pub(super) fn remove(file: &Path) -> io::Result<()> {
     }
 }
 
+/// Proves that a file can be written, by one of another name in its folder that is there for a moment: before
+/// the work, not after.
+pub fn try_out(trial: &Path) -> io::Result<()> {
+    fs::write(trial, []).and_then(|()| fs::remove_file(trial))
+}
+
 /// Writes a file so that it is there whole or not at all, even if the machine stops in between.
 pub fn write_whole(file: &Path, bytes: &[u8]) -> io::Result<()> {
     let name = file.file_name().unwrap_or_default().to_string_lossy();

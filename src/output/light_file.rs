@@ -1,4 +1,4 @@
-use super::folder::{remove, write_whole};
+use super::folder::{try_out, write_whole};
 use crate::bake::LightCache;
 use std::fs;
 use std::io;
@@ -81,8 +81,7 @@ impl LightFile {
         let trial = self
             .file
             .with_file_name(format!(".{name}.{}.trial", std::process::id()));
-        let tried = fs::write(&trial, []).and_then(|()| remove(&trial));
-        tried.map_err(|source| self.unwritable(source))
+        try_out(&trial).map_err(|source| self.unwritable(source))
     }
 
     /// The light that it holds; none if there is no such file. With `force` none, too, if it is damaged or of

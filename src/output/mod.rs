@@ -9,7 +9,7 @@ mod manifest;
 mod record;
 
 pub use exr_file::{decode as decode_exr, encode as encode_exr, note as note_of_exr};
-pub use folder::{FolderError, FrameFolder, FrameStorage, SequenceInfo, write_whole};
+pub use folder::{FolderError, FrameFolder, FrameStorage, SequenceInfo, try_out, write_whole};
 pub use format::FrameFormat;
 pub use light_file::{LightFile, LightFileError};
 pub use manifest::Manifest;

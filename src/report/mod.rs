@@ -32,7 +32,7 @@ use crate::camera::{Camera, CameraPath};
 use crate::chart::{Chart, ChartError};
 use crate::input::Settings;
 use crate::metrics::Reference;
-use crate::output::write_whole;
+use crate::output::{try_out, write_whole};
 use crate::scene::Scene;
 use serde::Serialize;
 use std::fs;
@@ -191,10 +191,8 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
     };
     let strips = inputs.folder.join("strips");
     fs::create_dir_all(&strips).map_err(|source| ReportError::file(&strips, source))?;
-    // Whether a folder that is there takes files is known before the work, not after.
     let trial = inputs.folder.join(".trial");
-    let tried = fs::write(&trial, []).and_then(|()| fs::remove_file(&trial));
-    tried.map_err(|source| ReportError::file(&trial, source))?;
+    try_out(&trial).map_err(|source| ReportError::file(&trial, source))?;
 
     let usual_references = reference::references(inputs, false, &mut progress)?;
     let tiny_references = reference::references(inputs, true, &mut progress)?;

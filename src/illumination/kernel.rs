@@ -6,46 +6,53 @@
 )]
 
 use super::Places;
-use super::look_up::LookUp;
+use super::look_up::{self, LANES};
 use super::visible::Linear;
+use glam::Vec3;
+
+type Points = [(Vec3, Vec3); LANES];
+type Lights = [Option<Vec3>; LANES];
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f")]
-fn add_avx512(look_up: &mut LookUp, numbers: &[u32], places: &Places, light: &[Linear]) {
-    look_up.add_all(numbers, places, light);
+fn lights_avx512(points: &Points, numbers: &[u32], places: &Places, light: &[Linear]) -> Lights {
+    look_up::lights(points, numbers, places, light)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn add_avx2(look_up: &mut LookUp, numbers: &[u32], places: &Places, light: &[Linear]) {
-    look_up.add_all(numbers, places, light);
+fn lights_avx2(points: &Points, numbers: &[u32], places: &Places, light: &[Linear]) -> Lights {
+    look_up::lights(points, numbers, places, light)
 }
 
-/// [`LookUp::add_all`] with the best instructions that this processor has.
+/// [`look_up::lights`] with the best instructions that this processor has.
 #[inline]
-pub(super) fn add_all(look_up: &mut LookUp, numbers: &[u32], places: &Places, light: &[Linear]) {
+pub(super) fn lights(
+    points: &Points,
+    numbers: &[u32],
+    places: &Places,
+    light: &[Linear],
+) -> Lights {
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f") {
             // SAFETY: the instructions were detected.
-            return unsafe { add_avx512(look_up, numbers, places, light) };
+            return unsafe { lights_avx512(points, numbers, places, light) };
         }
         if is_x86_feature_detected!("avx2") {
             // SAFETY: the instructions were detected.
-            return unsafe { add_avx2(look_up, numbers, places, light) };
+            return unsafe { lights_avx2(points, numbers, places, light) };
         }
     }
-    look_up.add_all(numbers, places, light);
+    look_up::lights(points, numbers, places, light)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::look_up::LANES;
     use super::super::{Place, Walls};
     use super::*;
     use crate::math::Aabb;
     use crate::sampling::Random;
-    use glam::Vec3;
 
     /// Whatever the processor has, and plain code.
     #[test]
@@ -80,26 +87,20 @@ mod tests {
                 let near = 0.2 * random.vector(1.0);
                 (near, random.vector(1.0).normalize())
             });
-            let mut plain = LookUp::new(points, 2.0);
-            plain.add_all(&numbers, &places, &light);
-            let mut best = LookUp::new(points, 2.0);
-            add_all(&mut best, &numbers, &places, &light);
-            for lane in 0..LANES {
-                let [a, b] = [&plain, &best].map(|of| of.light(lane));
-                let bits = |light: Vec3| light.to_array().map(f32::to_bits);
-                assert_eq!(a.map(bits), b.map(bits));
-                known += usize::from(a.is_some());
-            }
+            let plain = look_up::lights(&points, &numbers, &places, &light);
+            let best = lights(&points, &numbers, &places, &light);
+            let bits = |light: Option<Vec3>| light.map(|light| light.to_array().map(f32::to_bits));
+            assert_eq!(plain.map(bits), best.map(bits));
+            known += plain.iter().flatten().count();
         }
         assert!(known > 50 * LANES / 2, "{known}");
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") {
             let points = [(Vec3::ZERO, Vec3::Y); LANES];
-            let [mut plain, mut vector] = [(); 2].map(|()| LookUp::new(points, 2.0));
-            plain.add_all(&numbers, &places, &light);
+            let plain = look_up::lights(&points, &numbers, &places, &light);
             // SAFETY: the instructions were detected.
-            unsafe { add_avx2(&mut vector, &numbers, &places, &light) };
-            assert_eq!(plain.light(3), vector.light(3));
+            let vector = unsafe { lights_avx2(&points, &numbers, &places, &light) };
+            assert_eq!(plain, vector);
         }
     }
 }

@@ -9,9 +9,26 @@ pub(super) const LANES: usize = 16;
 
 type Lanes = [f32; LANES];
 
+/// The mean of what the places with the numbers given say at points with unit normals; none where they say
+/// nothing. Each point gets what it would get alone.
+#[inline(always)]
+pub(super) fn lights(
+    points: &[(Vec3, Vec3); LANES],
+    numbers: &[u32],
+    places: &Places,
+    light: &[Linear],
+) -> [Option<Vec3>; LANES] {
+    let mut look_up = LookUp::new(points, places.turn());
+    for &number in numbers {
+        let number = number as usize;
+        look_up.add(&places[number], &light[number]);
+    }
+    look_up.lights()
+}
+
 /// Points, coordinate by coordinate, and the sums of what places say there. Plain loops over lanes, which
 /// become vector code; no lane knows of another.
-pub(super) struct LookUp {
+struct LookUp {
     position: [Lanes; 3],
     normal: [Lanes; 3],
     turn: f32,
@@ -23,13 +40,19 @@ pub(super) struct LookUp {
 }
 
 impl LookUp {
-    /// Of points with unit normals.
-    pub(super) fn new(points: [(Vec3, Vec3); LANES], turn: f32) -> LookUp {
+    #[inline(always)]
+    fn new(points: &[(Vec3, Vec3); LANES], turn: f32) -> LookUp {
+        let (mut position, mut normal) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
+        for (lane, (p, n)) in points.iter().enumerate() {
+            for axis in 0..3 {
+                position[axis][lane] = p[axis];
+                normal[axis][lane] = n[axis];
+            }
+        }
         let bounds = Aabb::of(points.iter().map(|(position, _)| *position));
-        let lanes = |of: &dyn Fn(&(Vec3, Vec3)) -> f32| points.each_ref().map(of);
         LookUp {
-            position: [0, 1, 2].map(|axis| lanes(&|(position, _)| position[axis])),
-            normal: [0, 1, 2].map(|axis| lanes(&|(_, normal)| normal[axis])),
+            position,
+            normal,
             turn,
             center: bounds.center(),
             extent: 0.5 * bounds.extent().length(),
@@ -44,15 +67,6 @@ impl LookUp {
         const ROUNDING: f32 = 1.001;
         let reach = ROUNDING * (place.radius + self.extent);
         place.position.distance_squared(self.center) < reach * reach
-    }
-
-    /// Adds what those of all places say that have the numbers given.
-    #[inline(always)]
-    pub(super) fn add_all(&mut self, numbers: &[u32], places: &Places, light: &[Linear]) {
-        for &number in numbers {
-            let number = number as usize;
-            self.add(&places[number], &light[number]);
-        }
     }
 
     /// Adds what a place says, with its [`Place::weight`].
@@ -96,11 +110,22 @@ impl LookUp {
         }
     }
 
-    /// What a lane's places say together; none if there are none.
-    pub(super) fn light(&self, lane: usize) -> Option<Vec3> {
-        let weight = self.weights[lane];
-        let sum = Vec3::from_array(self.sums.map(|lanes| lanes[lane]));
-        (weight > 0.0).then(|| (sum / weight).max(Vec3::ZERO))
+    #[inline(always)]
+    fn lights(&self) -> [Option<Vec3>; LANES] {
+        let mut means = self.sums;
+        for channel in &mut means {
+            for (mean, weight) in channel.iter_mut().zip(&self.weights) {
+                *mean = (*mean / weight).max(0.0);
+            }
+        }
+        let [red, green, blue] = means;
+        let mut lights = [None; LANES];
+        for (lane, light) in lights.iter_mut().enumerate() {
+            if self.weights[lane] > 0.0 {
+                *light = Some(Vec3::new(red[lane], green[lane], blue[lane]));
+            }
+        }
+        lights
     }
 }
 
@@ -123,7 +148,7 @@ mod tests {
         let mut random = Random::new(2);
         let points = [(); LANES].map(|()| (random.vector(1.0), normal()));
         let turn = 0.7;
-        let mut look_up = LookUp::new(points, turn);
+        let mut look_up = LookUp::new(&points, turn);
         let mut sums = [(Vec3::ZERO, 0.0); LANES];
         for _ in 0..400 {
             let mut walls = Walls::default();
@@ -148,10 +173,10 @@ mod tests {
             }
         }
         let mut known = 0;
-        for (lane, (sum, weights)) in sums.into_iter().enumerate() {
+        for (light, (sum, weights)) in look_up.lights().into_iter().zip(sums) {
             let expected = (weights > 0.0).then(|| (sum / weights).max(Vec3::ZERO));
             known += usize::from(expected.is_some());
-            match (look_up.light(lane), expected) {
+            match (light, expected) {
                 (Some(light), Some(expected)) => {
                     assert!((light - expected).length() < 1e-5, "{light} {expected}");
                 }

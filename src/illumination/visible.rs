@@ -1,6 +1,5 @@
-use super::kernel::add_all;
-use super::look_up::{LANES, LookUp};
-use super::{BoxTree, Leaf, Places};
+use super::look_up::LANES;
+use super::{BoxTree, Leaf, Places, kernel};
 use glam::Vec3;
 
 /// The light at a place, and how it changes along the surface.
@@ -38,23 +37,16 @@ impl VisibleLight {
     pub fn lights(&self, points: &[(Vec3, Vec3)]) -> Vec<Option<Vec3>> {
         let mut lights = vec![None; points.len()];
         let tree = self.places.tree();
-        let mut rest = leaves(tree, points);
-        while let Some(&(node, first)) = rest.first() {
-            // Those of the same leaf, as many as fit; lanes that are left over repeat the first.
-            let mut group = [first; LANES];
-            let mut count = 0;
-            rest.retain(|&(leaf, number)| {
-                let joins = leaf == node && count < LANES;
-                if joins {
-                    group[count] = number;
-                    count += 1;
-                }
-                !joins
-            });
-            let mut look_up = LookUp::new(group.map(|n| points[n as usize]), self.places.turn());
-            add_all(&mut look_up, tree.boxes(node), &self.places, &self.light);
-            for (lane, &number) in group[..count].iter().enumerate() {
-                lights[number as usize] = look_up.light(lane);
+        for Group {
+            leaf,
+            count,
+            numbers,
+        } in groups(tree, points)
+        {
+            let of_group = numbers.map(|number| points[number as usize]);
+            let known = kernel::lights(&of_group, tree.boxes(leaf), &self.places, &self.light);
+            for (&number, light) in numbers[..count].iter().zip(known) {
+                lights[number as usize] = light;
             }
         }
         for (light, (position, normal)) in lights.iter_mut().zip(points) {
@@ -78,14 +70,35 @@ impl VisibleLight {
     }
 }
 
-/// The number of the leaf that each point lies in, and the point's.
-fn leaves(tree: &BoxTree, points: &[(Vec3, Vec3)]) -> Vec<(u32, u32)> {
+/// Points of one leaf that are looked up together.
+struct Group {
+    /// The leaf's number.
+    leaf: u32,
+    /// How many they are.
+    count: usize,
+    /// Their numbers; lanes that are left over repeat the first.
+    numbers: [u32; LANES],
+}
+
+/// The points in groups.
+fn groups(tree: &BoxTree, points: &[(Vec3, Vec3)]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
     let mut last: Option<Leaf> = None;
-    let leaf = |(number, (position, _)): (u32, &(Vec3, Vec3))| {
+    for (number, (position, _)) in (0..).zip(points) {
         let same = last.filter(|leaf| leaf.holds(*position));
         let leaf = same.unwrap_or_else(|| tree.leaf(*position));
         last = Some(leaf);
-        (leaf.node, number)
-    };
-    (0..).zip(points).map(leaf).collect()
+        let has_room = |group: &&mut Group| group.leaf == leaf.node && group.count < LANES;
+        if let Some(group) = groups.iter_mut().rev().find(has_room) {
+            group.numbers[group.count] = number;
+            group.count += 1;
+        } else {
+            groups.push(Group {
+                leaf: leaf.node,
+                count: 1,
+                numbers: [number; LANES],
+            });
+        }
+    }
+    groups
 }

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 /// So many camera rays set out together.
-const BATCH: usize = 64;
+const BATCH: usize = 256;
 
 /// How the points of a frame take their samples.
 ///

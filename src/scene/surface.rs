@@ -128,11 +128,22 @@ fn round_back(point: DVec3, ray: &Ray, t: f64) -> Vec3 {
     let point = point - back * direction;
     let nearest = point.as_vec3();
     let beyond = (nearest.as_dvec3() - point) * direction;
-    Vec3::from_array([0, 1, 2].map(|axis| match nearest[axis] {
-        x if beyond[axis] <= 0.0 => x,
-        x if direction[axis] > 0.0 => x.next_down(),
-        x => x.next_up(),
+    // Whether it is, and on which side, no processor can foresee: so without branches.
+    Vec3::from_array([0, 1, 2].map(|axis| {
+        let back = -ray.direction[axis].signum() as i32;
+        stepped(nearest[axis], back * i32::from(beyond[axis] > 0.0))
     }))
+}
+
+/// The number so many representable numbers above `x`; it and the result are finite.
+#[inline]
+fn stepped(x: f32, steps: i32) -> f32 {
+    // How many of them lie between a number and 0 are its bits without the sign.
+    let bits = x.to_bits() as i32;
+    let sign = bits >> 31;
+    let place = (((bits & i32::MAX) ^ sign) - sign) + steps;
+    let sign = place >> 31;
+    f32::from_bits((((place ^ sign) - sign) | (sign << 31)) as u32)
 }
 
 /// How far a point may be behind its surface along the normal, doubled.
@@ -144,4 +155,18 @@ fn round_back(point: DVec3, ray: &Ray, t: f64) -> Vec3 {
 fn offset(position: Vec3, normal: Vec3, magnitude: f32) -> f32 {
     const DOUBLE_ROUNDINGS: f32 = 32.0 * f64::EPSILON as f32;
     (2.0 * f32::EPSILON * position.abs()).dot(normal.abs()) + DOUBLE_ROUNDINGS * magnitude
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_lead_to_the_next_numbers() {
+        for x in [0.0, -0.0, 1.0, -1.0, 1.999_999_9, -1e-45, 3e38] {
+            assert_eq!(stepped(x, 1), x.next_up());
+            assert_eq!(stepped(x, -1), x.next_down());
+            assert_eq!(stepped(x, 0), x);
+        }
+    }
 }

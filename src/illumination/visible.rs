@@ -37,15 +37,11 @@ impl VisibleLight {
     pub fn lights(&self, points: &[(Vec3, Vec3)]) -> Vec<Option<Vec3>> {
         let mut lights = vec![None; points.len()];
         let tree = self.places.tree();
-        for Group {
-            leaf,
-            count,
-            numbers,
-        } in groups(tree, points)
-        {
-            let of_group = numbers.map(|number| points[number as usize]);
-            let known = kernel::lights(&of_group, tree.boxes(leaf), &self.places, &self.light);
-            for (&number, light) in numbers[..count].iter().zip(known) {
+        for group in groups(tree, points) {
+            let of_group = group.numbers.map(|number| points[number as usize]);
+            let around = tree.boxes(group.leaf.node);
+            let known = kernel::lights(&of_group, around, &self.places, &self.light);
+            for (&number, light) in group.numbers[..group.count].iter().zip(known) {
                 lights[number as usize] = light;
             }
         }
@@ -72,8 +68,7 @@ impl VisibleLight {
 
 /// Points of one leaf that are looked up together.
 struct Group {
-    /// The leaf's number.
-    leaf: u32,
+    leaf: Leaf,
     /// How many they are.
     count: usize,
     /// Their numbers; lanes that are left over repeat the first.
@@ -83,18 +78,14 @@ struct Group {
 /// The points in groups.
 fn groups(tree: &BoxTree, points: &[(Vec3, Vec3)]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
-    let mut last: Option<Leaf> = None;
     for (number, (position, _)) in (0..).zip(points) {
-        let same = last.filter(|leaf| leaf.holds(*position));
-        let leaf = same.unwrap_or_else(|| tree.leaf(*position));
-        last = Some(leaf);
-        let has_room = |group: &&mut Group| group.leaf == leaf.node && group.count < LANES;
-        if let Some(group) = groups.iter_mut().rev().find(has_room) {
+        let takes = |group: &&mut Group| group.count < LANES && group.leaf.holds(*position);
+        if let Some(group) = groups.iter_mut().rev().find(takes) {
             group.numbers[group.count] = number;
             group.count += 1;
         } else {
             groups.push(Group {
-                leaf: leaf.node,
+                leaf: tree.leaf(*position),
                 count: 1,
                 numbers: [number; LANES],
             });

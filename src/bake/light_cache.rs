@@ -34,7 +34,7 @@ const SECONDARY: Density = Density {
 };
 
 /// No place that the camera sees is smaller than so many pixels; in mirrors, which mostly show things smaller.
-const LEAST_PIXELS: [f32; 2] = [4.0, 10.0];
+const LEAST_PIXELS: [f32; 2] = [6.0, 12.0];
 
 /// No secondary place is smaller than this share of the usual distance between surfaces.
 const LEAST_SECONDARY: f32 = 0.4;

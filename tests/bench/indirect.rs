@@ -32,6 +32,9 @@ const RUNS: usize = 5;
 const PIXELS: usize = 200;
 const PATHS: u32 = 8192;
 
+/// Frames of exact light are timed at this share of the columns and rows.
+const SHARE: u32 = 4;
+
 fn main() {
     let arguments: Vec<String> = std::env::args().filter(|a| a != "--bench").collect();
     let [_, scene, path, size] = &arguments[..] else {
@@ -100,20 +103,21 @@ fn main() {
     let mean = |(seconds, rays)| (seconds / f64::from(FRAMES), rays / f64::from(FRAMES));
     let [(direct, direct_rays), (with, rays)] = sums.map(mean);
     let all = f64::from(count);
+    let with_bake = baked / all + with;
     println!(
         "frame: {direct:.4} s with direct light alone, {with:.4} s with indirect light: {:.2} times as long, \
          {:.3} times the rays; with the bake, in {count} frames: {:.2} times",
         with / direct,
         rays / direct_rays,
-        (baked / all + with) / direct
+        with_bake / direct
     );
 
     let exposure = given.exposure.unwrap_or(0.0);
     let mut random = Random::new(5);
     let said = light_errors(&scene, &path, &cached);
-    let mut everywhere = Vec::new();
+    let (mut everywhere, mut places) = (Vec::new(), Vec::new());
     let mut honest = 0;
-    for frame in frames {
+    for &frame in &frames {
         let pixel = |_| {
             let [x, y] = [exact.width, exact.height].map(|n| random.below(n as usize) as u32);
             (x, y)
@@ -128,9 +132,57 @@ fn main() {
         println!("  said to be {low:.6} to {high:.6}");
         honest += u32::from(measured <= high);
         everywhere.extend(held_out);
+        places.push((frame, pixels));
     }
     print_error("all frames", &everywhere, exposure);
     println!("{honest} of {FRAMES} frames are no worse than said");
+
+    let with_paths = |settings: &RenderSettings, paths| RenderSettings {
+        integrator: Integrator::MonteCarlo {
+            bounces,
+            splits: vec![paths],
+        },
+        seed: exact.seed + 1,
+        ..settings.clone()
+    };
+    let square_error = |pixels: &[HeldOutPixel]| BiasCheck::of(pixels, exposure).squared_bias.mean;
+    let looked_up = square_error(&everywhere);
+    let error_of = |paths| {
+        let settings = with_paths(&exact, paths);
+        let values = places.iter().flat_map(|(frame, pixels)| {
+            render_pixels(&scene, &path.camera(*frame), &settings, *frame, pixels)
+        });
+        let pixels = everywhere.iter().zip(values).map(|(pixel, [a, b])| {
+            let mean = 0.5 * (a + b);
+            HeldOutPixel {
+                technique: [mean, mean],
+                ..*pixel
+            }
+        });
+        square_error(&pixels.collect::<Vec<_>>())
+    };
+    let powers = (3..13).map(|power| (1 << power, error_of(1 << power)));
+    let worse = powers.take_while(|(_, error)| *error > looked_up);
+    let Some((paths, error)) = worse.last() else {
+        println!("exact light of 8 paths is no worse");
+        return;
+    };
+    // As many paths of each pixel, spread over its four camera samples.
+    let small = RenderSettings {
+        width: exact.width / SHARE,
+        height: exact.height / SHARE,
+        ..with_paths(&both[0], paths / 4)
+    };
+    let start = Instant::now();
+    for &frame in &frames {
+        render_frame(&scene, &path.camera(frame), &small, frame, &|_| ());
+    }
+    let seconds = start.elapsed().as_secs_f64() * f64::from(SHARE * SHARE) / f64::from(FRAMES);
+    println!(
+        "exact light of {paths} paths is worse, relMSE {error:.6}, and takes {seconds:.1} s a frame: {:.0} times \
+         as long as with its share of the bake",
+        seconds / with_bake
+    );
 }
 
 /// Returns what the error is at least, chance put aside.

@@ -1,11 +1,14 @@
 #!/usr/bin/env bash
-# Everything that proves the project: format, lints, docs, tests, and both videos made small.
+# Everything that proves the project: format, lints, docs, tests, both videos made small, and two farms.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 missing=()
 command -v ffmpeg >/dev/null || missing+=(ffmpeg)
 command -v c++ >/dev/null || missing+=(g++)
+command -v slurmctld >/dev/null || missing+=(munge slurmctld slurmd slurm-client)
+command -v pgrep >/dev/null || missing+=(procps)
+python3 -c "import ensurepip" 2>/dev/null || missing+=(python3-venv)
 if [ ${#missing[@]} -gt 0 ]; then
     root=; [ "$(id -u)" -eq 0 ] || root=sudo
     $root apt-get update -qq
@@ -41,4 +44,10 @@ for name in translate_rotate zoom; do
     ffprobe -v error -show_entries format=duration -of "csv=p=0:s=,:nk=1" "$out/$name.mp4" \
         | sed "s/^/$name.mp4 lasts, in seconds: /"
 done
+step "A farm: Slurm"
+tests/farm/slurm.sh
+step "A farm: Open Job Description"
+openjd=target/openjd
+[ -x $openjd/bin/openjd ] || { python3 -m venv $openjd && $openjd/bin/pip install --quiet openjd-cli; }
+PATH=$PWD/$openjd/bin:$PATH tests/farm/openjd.sh
 step "All passed"

@@ -123,27 +123,6 @@ fn one_thread_and_three_write_the_same_files() {
 }
 
 #[test]
-fn an_interrupted_run_is_taken_up_and_other_frames_are_not_mixed_in() {
-    let out = tempfile::tempdir().unwrap();
-    let some = |more: &[&str]| render_small("test3", "test3", out.path(), more);
-    assert_eq!(some(&["--frames", "0-3"]).0, Some(0));
-    // A frame that is there is left alone: this one would be mended if it were rendered again.
-    let second = out.path().join("frame_00001.png");
-    fs::write(&second, "mark").unwrap();
-    assert_eq!(some(&["--frames", "0-5"]).0, Some(0));
-    assert_eq!(frames(out.path()).len(), 6);
-    assert_eq!(fs::read(&second).unwrap(), b"mark");
-    let (status, message) = some(&["--seed", "1"]);
-    assert_eq!(status, Some(2));
-    assert!(
-        message.contains("another scene, path or settings"),
-        "{message}"
-    );
-    assert_eq!(some(&["--frames", "1", "--force"]).0, Some(0));
-    assert_ne!(fs::read(&second).unwrap(), b"mark");
-}
-
-#[test]
 fn the_path_wins_over_the_scene_and_a_flag_over_both() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
@@ -163,7 +142,7 @@ fn the_path_wins_over_the_scene_and_a_flag_over_both() {
         Some(0)
     );
     assert_eq!(size(), (20, 10));
-    let flag = ["render", s, p, "-o", out, "--size", "30x10", "--force"];
+    let flag = ["render", s, p, "-o", out, "--size", "30x10"];
     assert_eq!(flythrough(&flag).status.code(), Some(0));
     assert_eq!(size(), (30, 10));
 }

@@ -15,7 +15,7 @@ fn on_threads(threads: usize, settings: &RenderSettings, frame: u32) -> Vec<Vec3
         .num_threads(threads)
         .build()
         .unwrap();
-    let rendered = pool.install(|| render_frame(&scene, &camera, settings, frame, &|_| ()));
+    let rendered = pool.install(|| render_frame(&scene, &camera, settings, frame));
     rendered.film.pixels().to_vec()
 }
 

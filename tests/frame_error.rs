@@ -26,7 +26,7 @@ fn frame(settings: &RenderSettings, seed: u32) -> RenderedFrame {
         seed,
         ..settings.clone()
     };
-    render_frame(&ROOM.0, &ROOM.1, &settings, 0, &|_| ())
+    render_frame(&ROOM.0, &ROOM.1, &settings, 0)
 }
 
 /// The mean of (x - r)^2 / (m^2 + (white / 10)^2), where m is the mean of the pixels around.

@@ -112,13 +112,13 @@ fn another_path_adds_what_it_needs() {
     let said = assert_done(folder.bake("right.ron", &[]));
     assert!(said.contains("read"), "{said}");
     assert!(both == fs::read(&cache).unwrap());
-    // Frames of the one path alone are not mixed with those of both.
+    // Frames by the light of the one path alone are not mixed with those by that of both.
     let more = ["--gi-cache", &cache, "--frames", "1"];
-    assert_refused(
-        folder.render("left.ron", "left", &more),
-        "another scene, path",
-    );
-    assert_done(folder.render("right.ron", "right", &more));
+    for (path, missing) in [("left", "0\n2\n3\n"), ("right", "2\n3\n")] {
+        assert_done(folder.render(&format!("{path}.ron"), path, &more));
+        let listed = flythrough(&["missing", &folder.text(path)]);
+        assert_eq!(String::from_utf8(listed.stdout).unwrap(), missing);
+    }
 }
 
 #[test]

@@ -80,7 +80,7 @@ fn single_pixels_are_those_of_the_frame() {
                 sampling,
                 ..settings(integrator, 20, 15)
             };
-            let frame = render_frame(&scene, &camera, &settings, 7, &|_| ());
+            let frame = render_frame(&scene, &camera, &settings, 7);
             let pixels = [(0, 0), (19, 14), (10, 7), (3, 11)];
             let single = render_pixels(&scene, &camera, &settings, 7, &pixels);
             for ((x, y), [a, b]) in pixels.iter().zip(single) {
@@ -103,7 +103,7 @@ fn seeds_are_locked_or_not() {
             lock_seed,
             ..settings(monte_carlo(2, &[2]), 12, 9)
         };
-        let [a, b] = [0, 1].map(|frame| render_frame(&scene, &camera, &settings, frame, &|_| ()));
+        let [a, b] = [0, 1].map(|frame| render_frame(&scene, &camera, &settings, frame));
         assert_eq!(a.film == b.film, lock_seed);
     }
 }

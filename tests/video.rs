@@ -10,39 +10,37 @@ use support::*;
 
 fn make_video(frames: &Path, video: &Path) -> Output {
     let script = root().join("scripts/make_video.sh");
-    Command::new(script).args([frames, video]).output().unwrap()
+    Command::new(script)
+        .env("FLYTHROUGH", env!("CARGO_BIN_EXE_flythrough"))
+        .args([frames, video])
+        .output()
+        .unwrap()
 }
 
-/// Twelve frames of an odd size.
-fn rendered() -> tempfile::TempDir {
+/// Twelve frames of an odd size: a room, or what is left and right of the middle, each of one colour.
+fn rendered(scene: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("p.ron");
     fs::write(
         &path,
         "CameraPath(fps: 12, keyframes: [
             (time: 0, position: (0, 0, 3), look_at: (0, 0, 0), fov: 45),
-            (time: 0.917, position: (0.5, 0, 2.5), look_at: (0, 0, 0), fov: 45),
+            (time: 0.917, position: (0, 0, 2.5), look_at: (0, 0, 0), fov: 45),
         ])",
     )
     .unwrap();
     let out = folder.path().join("frames");
     let (path, out) = (path.to_str().unwrap(), out.to_str().unwrap());
-    let arguments = [
-        "render",
-        "scenes/test3.ron",
-        path,
-        "-o",
-        out,
-        "--size",
-        "61x41",
-    ];
+    let arguments = ["render", scene, path, "-o", out, "--size", "61x41"];
     assert_eq!(flythrough(&arguments).status.code(), Some(0));
     folder
 }
 
+const ROOM: &str = "scenes/test3.ron";
+
 #[test]
 fn a_video_has_every_frame_and_says_its_colours() {
-    let folder = rendered();
+    let folder = rendered(ROOM);
     let video = folder.path().join("v.mp4");
     let output = make_video(&folder.path().join("frames"), &video);
     assert!(output.status.success(), "{}", stderr(&output));
@@ -83,16 +81,27 @@ fn a_video_has_every_frame_and_says_its_colours() {
 /// The first frame, decoded as a player would, has the colours of the PNG.
 #[test]
 fn colours_survive() {
-    let folder = rendered();
+    let scene = tempfile::tempdir().unwrap();
+    let file = scene.path().join("s.ron");
+    let linear = |codes: [u8; 3]| {
+        let channel = |code: u8| flythrough::math::color::srgb_to_linear(f32::from(code) / 255.0);
+        let [r, g, b] = codes.map(channel);
+        format!("({r}, {g}, {b})")
+    };
+    // Ambient light times 0.3 times the diffuse colour.
+    let text = format!(
+        "Scene(
+            background: {},
+            ambient: (3.333333, 3.333333, 3.333333),
+            materials: {{\"right\": (diffuse: {})}},
+            objects: [triangle(vertices: [(0, -99, 0), (99, 0, 0), (0, 99, 0)], material: \"right\")],
+        )",
+        linear([220, 30, 40]),
+        linear([20, 160, 60])
+    );
+    fs::write(&file, text).unwrap();
+    let folder = rendered(file.to_str().unwrap());
     let frames = folder.path().join("frames");
-    for frame in 0..12 {
-        let file = frames.join(format!("frame_{frame:05}.png"));
-        let flat = image::RgbImage::from_fn(61, 41, |x, _| match x {
-            0..30 => image::Rgb([220, 30, 40]),
-            _ => image::Rgb([20, 160, 60]),
-        });
-        flat.save(file).unwrap();
-    }
     let video = folder.path().join("v.mp4");
     assert!(make_video(&frames, &video).status.success());
     let decoded = Command::new("ffmpeg")
@@ -119,30 +128,33 @@ fn colours_survive() {
 fn gaps_short_sequences_and_damaged_frames_are_refused() {
     type Harm = fn(&Path);
     let damage: [(&str, Harm); 6] = [
-        ("frame_00007.png is missing", |f| {
+        ("frame_00007.png: missing", |f| {
             fs::remove_file(f.join("frame_00007.png")).unwrap()
         }),
-        ("frame_00011.png is missing", |f| {
+        ("frame_00011.png: missing", |f| {
             fs::remove_file(f.join("frame_00011.png")).unwrap()
         }),
-        ("frame_00003.png is missing or empty", |f| {
+        ("frame_00003.png: empty", |f| {
             fs::write(f.join("frame_00003.png"), "").unwrap();
         }),
-        ("is damaged", |f| {
+        ("frame_00005.png: cut short or damaged", |f| {
             let file = f.join("frame_00005.png");
             let bytes = fs::read(&file).unwrap();
             fs::write(&file, &bytes[..bytes.len() * 2 / 3]).unwrap();
         }),
-        ("holds 13 frames", |f| {
+        ("frame_00012.png: no frame of the sequence", |f| {
             fs::copy(f.join("frame_00000.png"), f.join("frame_00012.png")).unwrap();
         }),
-        ("not all 61x41", |f| {
-            image::RgbImage::new(60, 41)
-                .save(f.join("frame_00002.png"))
-                .unwrap();
-        }),
+        (
+            "frame_00002.png: holds no whole record of flythrough",
+            |f| {
+                image::RgbImage::new(60, 41)
+                    .save(f.join("frame_00002.png"))
+                    .unwrap();
+            },
+        ),
     ];
-    let whole = rendered();
+    let whole = rendered(ROOM);
     for (expected, harm) in damage {
         let folder = tempfile::tempdir().unwrap();
         for entry in fs::read_dir(whole.path().join("frames")).unwrap() {
@@ -152,7 +164,7 @@ fn gaps_short_sequences_and_damaged_frames_are_refused() {
         harm(folder.path());
         let video = folder.path().join("v.mp4");
         let output = make_video(folder.path(), &video);
-        assert_eq!(output.status.code(), Some(2), "{expected}");
+        assert_eq!(output.status.code(), Some(3), "{expected}");
         assert!(
             stderr(&output).contains(expected),
             "{expected}: {}",
@@ -160,4 +172,11 @@ fn gaps_short_sequences_and_damaged_frames_are_refused() {
         );
         assert!(!video.exists());
     }
+    let output = make_video(&whole.path().join("nothing"), &whole.path().join("v.mp4"));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(
+        stderr(&output).contains("sequence.ron"),
+        "{}",
+        stderr(&output)
+    );
 }

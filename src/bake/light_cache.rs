@@ -6,6 +6,7 @@ use super::order::spread;
 use super::placement::{Candidate, Density, Placement};
 use crate::camera::CameraPath;
 use crate::illumination::{Illumination, Places, SecondaryLight, VisibleLight};
+use crate::render::ErrorEstimate;
 use crate::scene::Scene;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -65,10 +66,23 @@ pub struct LightCache {
     seed: u32,
     /// The names of the paths.
     paths: Vec<String>,
+    /// How far off the light is, as far as that was measured since the last path was added.
+    errors: Vec<KnownErrors>,
     /// By the number of bounces left, less 1.
     visible: Vec<Layer>,
     /// Its light is by the number of bounces left, less 1.
     secondary: Layer,
+}
+
+/// How far off the light is in the frames of a path.
+#[derive(Debug, Serialize, Deserialize)]
+struct KnownErrors {
+    /// The path's name.
+    path: String,
+    /// The light that is displayed as white: errors are relative to it.
+    white: f32,
+    /// Frame by frame.
+    errors: Vec<ErrorEstimate>,
 }
 
 /// Places and their light.
@@ -114,6 +128,7 @@ impl LightCache {
             fineness,
             seed,
             paths: Vec::new(),
+            errors: Vec::new(),
             visible: (1..=bounces).map(visible).collect(),
             secondary: Layer::new(scene, finer(SECONDARY), seed, bounces.saturating_sub(1)),
         }
@@ -132,6 +147,22 @@ impl LightCache {
     /// Whether it holds the light of the path of this name.
     pub fn covers(&self, name: &str) -> bool {
         self.paths.iter().any(|path| path == name)
+    }
+
+    /// How far off it is in the frames of a path, if that is known for this white.
+    pub fn errors(&self, name: &str, white: f32) -> Option<&[ErrorEstimate]> {
+        let of_path = |known: &&KnownErrors| known.path == name && known.white == white;
+        let known = self.errors.iter().find(of_path)?;
+        Some(&known.errors)
+    }
+
+    /// Remembers how far off it is.
+    pub(super) fn learn(&mut self, name: &str, white: f32, errors: &[ErrorEstimate]) {
+        self.errors.push(KnownErrors {
+            path: name.to_owned(),
+            white,
+            errors: errors.to_vec(),
+        });
     }
 
     fn bounces(&self) -> u32 {
@@ -174,6 +205,7 @@ impl LightCache {
         let known = self.light_secondary(scene);
         self.light_visible(scene, &known, listener);
         self.paths.push(name.to_owned());
+        self.errors.clear();
     }
 
     /// Covers what all frames see. Returns what is seen from there.

@@ -60,7 +60,14 @@ pub fn bake(
         }
         listener(0.97, "error of the light");
         let mut settings = exact.looking_up(Arc::new(cache.illumination()));
-        settings.light_errors = light_errors(scene, path, &settings).into();
+        settings.light_errors = match cache.errors(name, exact.white) {
+            Some(errors) => errors.into(),
+            None => {
+                let errors = light_errors(scene, path, &settings);
+                cache.learn(name, exact.white, &errors);
+                errors.into()
+            }
+        };
         let reaches_target = exact.target_error.is_none_or(|target| {
             let share = match exact.sampling {
                 PixelSampling::Spread(_) => 0.5,

@@ -27,7 +27,12 @@ impl Timeline {
         if frame == last {
             return if last == 0 { self.start } else { self.end };
         }
-        self.start + (self.end - self.start) * (f64::from(frame) / f64::from(last))
+        let duration = self.end - self.start;
+        if duration * self.fps == f64::from(last) {
+            // Nothing is stretched: to the last bit the same whatever is added at the end.
+            return self.start + f64::from(frame) / self.fps;
+        }
+        self.start + duration * (f64::from(frame) / f64::from(last))
     }
 }
 
@@ -47,6 +52,18 @@ mod tests {
             assert_eq!(timeline.frame_count(), frames);
             assert_eq!(timeline.time_of(0), start);
             assert_eq!(timeline.time_of(frames - 1), end);
+        }
+    }
+
+    #[test]
+    fn frames_keep_their_times_where_the_end_is_put_off() {
+        let [short, long] = [4.0, 5.5].map(|end| Timeline {
+            fps: 24.0,
+            start: 0.0,
+            end,
+        });
+        for frame in 0..96 {
+            assert_eq!(short.time_of(frame), long.time_of(frame), "{frame}");
         }
     }
 

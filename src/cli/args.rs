@@ -2,7 +2,7 @@ use super::frames::FrameRanges;
 use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::output::FrameFormat;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::PathBuf;
 
 /// Renders pre-recorded camera fly-throughs: a scene and a camera path in, every frame out.
@@ -16,6 +16,8 @@ pub(super) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     Render(RenderArguments),
+    Verify(VerifyArguments),
+    Missing(MissingArguments),
     Bake(BakeArguments),
     Check(CheckArguments),
     Report(ReportArguments),
@@ -37,15 +39,25 @@ pub(super) struct InputArguments {
     pub(super) path: PathBuf,
 }
 
+#[derive(Debug, Args)]
+pub(super) struct ThreadsArgument {
+    /// Threads to use [default: all cores that the process may use]
+    #[arg(short, long, value_name = "N", env = "SLURM_CPUS_PER_TASK")]
+    pub(super) threads: Option<NonZeroUsize>,
+}
+
 /// Render the frames of a camera path
 ///
 /// Settings may also stand in the scene or the path file; the path's win over the scene's, and a
 /// flag wins over both.
 ///
-/// Frames that are already in the folder, made from the same files and settings, are left as they
-/// are; so an interrupted run is taken up again by the same command.
+/// Frames that are already in the folder are proven: each says in its file what it was made from and what
+/// its pixels are. Those that are whole, unchanged and made from the same files and settings are left as they
+/// are, all others are rendered again; so an interrupted run is taken up by the same command, and several
+/// processes, on one machine or many, may work on one folder at the same time.
 ///
-/// Exit status: 0 all frames are there, 2 wrong input or usage, 3 some frames failed.
+/// Exit status: 0 all frames are there, 2 wrong input or usage (trying again cannot help), 3 some frames
+/// failed (it may), 75 interrupted by SIGTERM or Ctrl-C (it goes on from there).
 #[derive(Debug, Args)]
 pub(super) struct RenderArguments {
     #[command(flatten)]
@@ -59,11 +71,17 @@ pub(super) struct RenderArguments {
     #[command(flatten)]
     pub(super) settings: SettingsArguments,
     /// File for the light of --gi path, which may be that of a bake or of other runs; made if it is not there
+    /// [default: light.cache in the folder of the frames]
     #[arg(long, value_name = "FILE")]
     pub(super) gi_cache: Option<PathBuf>,
-    /// Threads to use [default: all cores]
-    #[arg(short, long, value_name = "N")]
-    pub(super) threads: Option<NonZeroUsize>,
+    /// Which frames come first
+    #[arg(long, value_enum, default_value = "sequential")]
+    pub(super) order: OrderArgument,
+    /// Render nothing, only make the folder ready for processes that will
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub(super) prepare: Option<PrepareArgument>,
+    #[command(flatten)]
+    pub(super) threads: ThreadsArgument,
     /// File format of the frames
     #[arg(long, value_enum, default_value = "png")]
     pub(super) format: FormatArgument,
@@ -74,7 +92,45 @@ pub(super) struct RenderArguments {
     /// Render frames even if they are there already
     #[arg(long)]
     pub(super) force: bool,
+    /// How progress is told
+    #[arg(long, value_enum, default_value = "auto")]
+    pub(super) progress: ProgressArgument,
+    /// No progress and no summary
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+/// Prove that every frame of a sequence is there, whole, unchanged and made from what it should be
+///
+/// Prints a line for each frame that is not, and why. Whoever changed the scene since finds out by rendering
+/// again: that alone knows what the frames should be made from now.
+///
+/// Exit status: 0 all frames are proven, 2 not a folder of frames, 3 some are not: render again.
+#[derive(Debug, Args)]
+pub(super) struct VerifyArguments {
+    /// Folder of the frames
+    pub(super) folder: PathBuf,
     /// No progress bar and no summary
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+/// List the frames of a sequence that are not proven, to be rendered again
+///
+/// Prints nothing if all are.
+///
+/// Exit status: 0 they are listed, 2 not a folder of frames.
+#[derive(Debug, Args)]
+pub(super) struct MissingArguments {
+    /// Folder of the frames
+    pub(super) folder: PathBuf,
+    /// How they are listed
+    #[arg(long, value_enum, default_value = "list")]
+    pub(super) format: ListFormatArgument,
+    /// Frames of each task of a Slurm array: task N renders frames N x CHUNK to (N + 1) x CHUNK - 1
+    #[arg(long, value_name = "CHUNK", default_value = "1")]
+    pub(super) chunk: NonZeroU32,
+    /// No progress bar
     #[arg(short, long)]
     pub(super) quiet: bool,
 }
@@ -97,9 +153,8 @@ pub(super) struct BakeArguments {
     pub(super) out: PathBuf,
     #[command(flatten)]
     pub(super) settings: SettingsArguments,
-    /// Threads to use [default: all cores]
-    #[arg(short, long, value_name = "N")]
-    pub(super) threads: Option<NonZeroUsize>,
+    #[command(flatten)]
+    pub(super) threads: ThreadsArgument,
     /// Work it out anew if the file holds the light of something else or is damaged
     #[arg(long)]
     pub(super) force: bool,
@@ -150,9 +205,8 @@ pub(super) struct ReportArguments {
     /// relMSE of the references: a tenth of the least error that matters to you
     #[arg(long, value_name = "X", default_value = "0.0001")]
     pub(super) reference_error: f64,
-    /// Threads to use [default: all cores]
-    #[arg(short, long, value_name = "N")]
-    pub(super) threads: Option<NonZeroUsize>,
+    #[command(flatten)]
+    pub(super) threads: ThreadsArgument,
     /// No progress bar and no summary
     #[arg(short, long)]
     pub(super) quiet: bool,
@@ -230,6 +284,41 @@ pub(super) enum FormatArgument {
 pub(super) enum AovArgument {
     /// The error of every pixel
     Error,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum OrderArgument {
+    /// As they are listed
+    Sequential,
+    /// A few, spread over the path, then those between, and so on: what is there of an interrupted run can be
+    /// watched, and the forecast soon knows all of the path
+    CoarseToFine,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum PrepareArgument {
+    /// Write down what the frames are to be, so that verify and missing know
+    Plan,
+    /// The same, and work out the light of --gi path if it is needed
+    Light,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum ProgressArgument {
+    /// A bar on a terminal, a line a minute elsewhere
+    Auto,
+    /// The lines that Open Job Description reads, on stdout
+    Openjd,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum ListFormatArgument {
+    /// One frame a line
+    List,
+    /// Tasks of a Slurm array, as in 0,3-5
+    Slurm,
+    /// Frames and ranges, as in 0,3-5, for Open Job Description and for --frames
+    Openjd,
 }
 
 impl From<FormatArgument> for FrameFormat {

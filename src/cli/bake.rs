@@ -1,5 +1,5 @@
 use super::args::BakeArguments;
-use super::light::PathLight;
+use super::light::{LightStore, PathLight};
 use super::loading::load;
 use super::{Failure, Status};
 use crate::input::{GlobalIllumination, Mode, Settings};
@@ -7,7 +7,7 @@ use crate::input::{GlobalIllumination, Mode, Settings};
 pub(super) fn run(arguments: &BakeArguments) -> Result<Status, Failure> {
     let flags = arguments.settings.settings();
     flags.check().map_err(|error| error.of_flag())?;
-    let loaded = load(&arguments.input, arguments.threads)?;
+    let loaded = load(&arguments.input, &arguments.threads)?;
     let given = flags
         .or(loaded.path.settings.clone())
         .or(loaded.scene.settings.clone());
@@ -18,7 +18,8 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<Status, Failure> {
     };
     given.check_together()?;
     let exact = given.resolve();
-    let light = PathLight::open(Some(&arguments.out), &loaded, &exact, arguments.force)?;
+    let store = LightStore::Shared(arguments.out.clone());
+    let light = PathLight::open(store, &loaded, &exact, arguments.force)?;
     light.bake(&loaded, &exact, arguments.quiet)?;
     Ok(Status::Done)
 }

@@ -58,9 +58,61 @@ impl FrameRanges {
     }
 }
 
+/// Rising numbers as `0,3-5`.
+pub(super) fn ranges(numbers: &[u32]) -> String {
+    let runs = numbers.chunk_by(|a, b| a + 1 == *b);
+    let runs = runs.map(|run| match *run {
+        [.., last] if run.len() > 1 => format!("{}-{last}", run[0]),
+        _ => run[0].to_string(),
+    });
+    runs.collect::<Vec<_>>().join(",")
+}
+
+/// Puts frames of a path of `count` in the order of their numbers' bits, read backwards: whatever comes first is
+/// spread over the path.
+pub(super) fn coarse_to_fine(frames: &mut [u32], count: u32) {
+    let bits = count.next_power_of_two().trailing_zeros();
+    frames.sort_by_key(|frame| u64::from(frame.reverse_bits()) >> (32 - bits));
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_listed_is_what_is_read() {
+        for (numbers, expected) in [
+            (&[0, 3, 4, 5, 7, 8][..], "0,3-5,7-8"),
+            (&[4], "4"),
+            (&[0, 1, 2], "0-2"),
+        ] {
+            assert_eq!(ranges(numbers), expected);
+            assert_eq!(frames(expected, 9), Ok(numbers.to_vec()));
+        }
+    }
+
+    /// The first 2^n of them are nowhere further apart than one part of the path in 2^n.
+    #[test]
+    fn coarse_frames_are_spread_over_the_path() {
+        let mut all: Vec<u32> = (0..8).collect();
+        coarse_to_fine(&mut all, 8);
+        assert_eq!(all, [0, 4, 2, 6, 1, 5, 3, 7]);
+        for count in [1, 2, 3, 49, 240, 1000] {
+            let mut frames: Vec<u32> = (0..count).collect();
+            coarse_to_fine(&mut frames, count);
+            for parts in [1_u32, 2, 4, 8] {
+                let part = count.next_power_of_two() / parts.min(count);
+                let mut first = frames[..parts.min(count) as usize].to_vec();
+                first.push(count);
+                first.sort_unstable();
+                assert_eq!(first[0], 0);
+                let gaps = first.windows(2).map(|pair| pair[1] - pair[0]);
+                assert!(gaps.max() <= Some(part.max(1)), "{count}: {first:?}");
+            }
+            frames.sort_unstable();
+            assert_eq!(frames, (0..count).collect::<Vec<_>>());
+        }
+    }
 
     fn frames(text: &str, count: u32) -> Result<Vec<u32>, u32> {
         text.parse::<FrameRanges>()

@@ -6,22 +6,29 @@ use crate::integrator::Integrator;
 use crate::output::LightFile;
 use crate::render::{ErrorEstimate, PixelSampling, RenderSettings};
 use std::io::Write;
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::Instant;
+
+/// The file that the light is kept in.
+pub(super) enum LightStore {
+    /// One that other paths share: what it holds of them stays.
+    Shared(PathBuf),
+    /// One of this path alone: what it holds of others does not count, so that the light is that of a first run.
+    Own(PathBuf),
+}
 
 /// The light of a path, as far as a file holds it already.
 pub(super) struct PathLight {
-    /// The file, if it is kept.
-    file: Option<LightFile>,
+    file: LightFile,
     found: Option<LightCache>,
     /// What the path is called there.
     name: String,
 }
 
 impl PathLight {
-    /// Opens the file, if one is named; `exact` are the settings of frames that gather light exactly.
+    /// Opens the file; `exact` are the settings of frames that gather light exactly.
     pub(super) fn open(
-        file: Option<&Path>,
+        store: LightStore,
         loaded: &Loaded,
         exact: &RenderSettings,
         force: bool,
@@ -42,16 +49,21 @@ impl PathLight {
         let mut fingerprint = blake3::Hasher::new();
         fingerprint.update(loaded.scene_fingerprint.as_bytes());
         fingerprint.update(decisive.as_bytes());
-        let file = file.map(|file| LightFile::new(file, fingerprint.finalize()));
-        let found = match &file {
-            Some(file) => file.read(force)?,
-            None => None,
+        let name = loaded.path_fingerprint.to_string();
+        let (file, found) = match store {
+            LightStore::Shared(file) => {
+                let file = LightFile::new(&file, fingerprint.finalize());
+                let found = file.read(force)?;
+                (file, found)
+            }
+            LightStore::Own(file) => {
+                let file = LightFile::new(&file, fingerprint.finalize());
+                // What is of no use is written over.
+                let found = file.read(true).ok().flatten();
+                (file, found.filter(|found| *found.paths() == [name.clone()]))
+            }
         };
-        Ok(PathLight {
-            file,
-            found,
-            name: loaded.path_fingerprint.to_string(),
-        })
+        Ok(PathLight { file, found, name })
     }
 
     /// The names of all paths that the light will be of, in the order in which they were added: it depends on
@@ -74,10 +86,10 @@ impl PathLight {
         exact: &RenderSettings,
         quiet: bool,
     ) -> Result<RenderSettings, Failure> {
-        let is_complete = self.found.as_ref().is_some_and(|c| c.covers(&self.name));
-        let file = self.file.filter(|_| !is_complete);
-        if let Some(file) = &file {
-            file.try_out()?;
+        let has_all = |cache: &LightCache| cache.errors(&self.name, exact.white).is_some();
+        let is_complete = self.found.as_ref().is_some_and(has_all);
+        if !is_complete {
+            self.file.try_out()?;
         }
         let start = Instant::now();
         let progress = ShareProgress::new(quiet);
@@ -86,12 +98,12 @@ impl PathLight {
         let work = || bake(scene, path, &self.name, exact, self.found, &listener);
         let baked = loaded.pool.install(work);
         progress.finish();
-        if let Some(file) = file {
-            file.write(&baked.cache)?;
+        if !is_complete {
+            self.file.write(&baked.cache)?;
         }
         if !quiet {
             let what = match is_complete {
-                true => "read and held against exact light",
+                true => "read",
                 false => "worked out",
             };
             let mut out = std::io::stdout();

@@ -1,7 +1,6 @@
-use super::args::InputArguments;
+use super::args::{InputArguments, ThreadsArgument};
 use super::{Failure, warn};
 use crate::input::{CameraPathInput, InputFiles, SceneInput, load_camera_path, load_scene};
-use std::num::NonZeroUsize;
 
 /// A scene, a path and the threads to render them on.
 pub(super) struct Loaded {
@@ -14,14 +13,11 @@ pub(super) struct Loaded {
     pub(super) pool: rayon::ThreadPool,
 }
 
-/// Loads what a command names, and says what is odd about it. Threads are all cores unless given.
-pub(super) fn load(
-    input: &InputArguments,
-    threads: Option<NonZeroUsize>,
-) -> Result<Loaded, Failure> {
+/// Loads what a command names, and says what is odd about it. Threads are all that the process may use unless given.
+pub(super) fn load(input: &InputArguments, threads: &ThreadsArgument) -> Result<Loaded, Failure> {
     let mut path_files = InputFiles::default();
     let path = load_camera_path(&input.path, &mut path_files)?;
-    let threads = match threads {
+    let threads = match threads.threads {
         Some(threads) => threads.get(),
         None => std::thread::available_parallelism()?.get(),
     };

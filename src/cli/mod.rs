@@ -5,15 +5,20 @@ mod args;
 mod bake;
 mod check;
 mod frames;
+mod interrupt;
+mod job;
 mod light;
 mod loading;
+mod missing;
 mod progress;
 mod render;
 mod report;
 mod selftest;
+mod verify;
 
 use args::{Arguments, Command};
 use clap::Parser;
+use interrupt::Interrupt;
 use std::io;
 use std::process::ExitCode;
 
@@ -26,14 +31,26 @@ enum Status {
     SelfTestFailed = 1,
     /// The input or the command is wrong: trying again cannot help.
     BadInput = 2,
-    /// Some frames could not be made: trying again may help.
+    /// Some frames could not be made, or are not what they should be: rendering again may help.
     SomeFailed = 3,
+    /// The user or the system asked for an end: the same command goes on from there. It is EX_TEMPFAIL of
+    /// sysexits.h.
+    Interrupted = 75,
 }
 
 /// Runs the program on the process's arguments.
 pub fn run() -> ExitCode {
+    let interrupt = match Interrupt::install() {
+        Ok(interrupt) => interrupt,
+        Err(error) => {
+            eprintln!("flythrough: signals cannot be caught: {error}");
+            return ExitCode::from(Status::SomeFailed as u8);
+        }
+    };
     let result = match Arguments::parse().command {
-        Command::Render(render) => render::run(&render),
+        Command::Render(render) => render::run(&render, interrupt),
+        Command::Verify(verify) => verify::run(&verify),
+        Command::Missing(missing) => missing::run(&missing),
         Command::Bake(bake) => bake::run(&bake),
         Command::Check(check) => check::run(&check),
         Command::Report(report) => report::run(&report),

@@ -1,5 +1,8 @@
-use crate::render::{Observer, SinkError};
+use super::args::ProgressArgument;
+use super::interrupt::Interrupt;
+use crate::render::{Observer, SinkError, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
@@ -12,76 +15,165 @@ pub(super) enum Steps {
     Frames,
 }
 
-/// One bar for the whole sequence: frames, rays per second, time left.
+/// How progress is shown.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shown {
+    /// A bar.
+    Bar,
+    /// A line now and then, for files that keep what is said.
+    Lines,
+    /// The lines of Open Job Description, on stdout.
+    OpenJobDescription,
+    /// Nothing but failures.
+    Nothing,
+}
+
+impl ProgressArgument {
+    pub(super) fn shown(self, quiet: bool) -> Shown {
+        match self {
+            _ if quiet => Shown::Nothing,
+            ProgressArgument::Openjd => Shown::OpenJobDescription,
+            ProgressArgument::Auto if std::io::stderr().is_terminal() => Shown::Bar,
+            ProgressArgument::Auto => Shown::Lines,
+        }
+    }
+}
+
+/// How far the whole sequence is: frames, rays per second, time left.
 ///
 /// Where it moves with every tile, the forecast needs no whole frame. It counts only frames that are
-/// rendered now. Where there is no terminal, only failures are shown.
+/// rendered now.
 pub(super) struct SequenceProgress {
     bar: ProgressBar,
-    steps: Steps,
-    frames: u64,
-    frames_done: AtomicU64,
+    shown: Shown,
+    steps_per_frame: u64,
+    steps_are_frames: bool,
+    /// How many are rendered here.
+    frames: AtomicU64,
+    frames_kept: AtomicU64,
     rays: AtomicU64,
     start: Instant,
+    /// When the last line was written, in milliseconds from the start.
+    last_line: AtomicU64,
+    interrupt: Interrupt,
 }
 
 impl SequenceProgress {
-    pub(super) fn new(frames: u64, steps: Steps, quiet: bool) -> SequenceProgress {
+    pub(super) fn new(
+        frames: u64,
+        steps: Steps,
+        shown: Shown,
+        interrupt: Interrupt,
+    ) -> SequenceProgress {
         let steps_per_frame = match steps {
             Steps::Tiles(count) => count,
             Steps::Frames => 1,
         };
         SequenceProgress {
-            bar: bar(frames * steps_per_frame, quiet),
-            steps,
-            frames,
-            frames_done: AtomicU64::new(0),
+            bar: bar(frames * steps_per_frame, shown != Shown::Bar),
+            shown,
+            steps_per_frame,
+            steps_are_frames: matches!(steps, Steps::Frames),
+            frames: AtomicU64::new(frames),
+            frames_kept: AtomicU64::new(0),
             rays: AtomicU64::new(0),
             start: Instant::now(),
+            last_line: AtomicU64::new(0),
+            interrupt,
         }
     }
 
-    /// Removes the bar.
+    /// Removes the bar, or says how it ended.
     pub(super) fn finish(&self) {
+        if self.shown == Shown::OpenJobDescription {
+            self.tell_openjd();
+        }
         self.bar.finish_and_clear();
     }
 
     fn update(&self) {
-        if self.bar.is_hidden() {
-            return;
+        match self.shown {
+            Shown::Bar => self.bar.set_message(self.state()),
+            Shown::Lines if self.is_time_for_a_line(60_000) => eprintln!("{}", self.state()),
+            Shown::OpenJobDescription if self.is_time_for_a_line(1_000) => self.tell_openjd(),
+            _ => {}
         }
+    }
+
+    /// The share that is done, of 1.
+    fn done(&self) -> f64 {
+        match self.bar.length() {
+            None | Some(0) => 1.0,
+            Some(length) => self.bar.position() as f64 / length as f64,
+        }
+    }
+
+    fn state(&self) -> String {
         let elapsed = self.start.elapsed();
-        let done = self.bar.position() as f64 / self.bar.length().unwrap_or(1).max(1) as f64;
-        let rays = self.rays.load(Ordering::Relaxed);
-        self.bar.set_message(format!(
+        format!(
             "frame {}/{}  {}  ETA {}",
-            self.frames_done.load(Ordering::Relaxed),
-            self.frames,
-            rays_per_second(rays, elapsed),
-            remaining(elapsed, done).map_or("?".to_owned(), clock),
-        ));
+            self.frames_kept.load(Ordering::Relaxed),
+            self.frames.load(Ordering::Relaxed),
+            rays_per_second(self.rays.load(Ordering::Relaxed), elapsed),
+            remaining(elapsed, self.done()).map_or("?".to_owned(), clock),
+        )
+    }
+
+    /// Whether so many milliseconds are over since this was last so; it is for one thread of all.
+    fn is_time_for_a_line(&self, pause: u64) -> bool {
+        let now = self.start.elapsed().as_millis() as u64;
+        let last = self.last_line.load(Ordering::Relaxed);
+        let swap = || {
+            self.last_line
+                .compare_exchange(last, now, Ordering::Relaxed, Ordering::Relaxed)
+        };
+        now - last.min(now) >= pause && swap().is_ok()
+    }
+
+    fn tell_openjd(&self) {
+        // Nobody has to read it.
+        let _ = writeln!(
+            std::io::stdout(),
+            "openjd_progress: {:.1}\nopenjd_status: {}",
+            100.0 * self.done(),
+            self.state()
+        );
+    }
+}
+
+impl Watch for SequenceProgress {
+    fn tile_done(&self, rays: u64) {
+        self.rays.fetch_add(rays, Ordering::Relaxed);
+        if !self.steps_are_frames {
+            self.bar.inc(1);
+        }
+        self.update();
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.interrupt.is_asked()
     }
 }
 
 impl Observer for SequenceProgress {
-    fn tile_done(&self, rays: u64) {
-        self.rays.fetch_add(rays, Ordering::Relaxed);
-        if matches!(self.steps, Steps::Tiles(_)) {
+    fn frame_kept(&self, _: u32) {
+        self.frames_kept.fetch_add(1, Ordering::Relaxed);
+        if self.steps_are_frames {
             self.bar.inc(1);
         }
         self.update();
     }
 
-    fn frame_done(&self, frame: u32, failure: Option<&SinkError>) {
-        self.frames_done.fetch_add(1, Ordering::Relaxed);
-        if matches!(self.steps, Steps::Frames) {
-            self.bar.inc(1);
-        }
-        if let Some(error) = failure {
-            self.bar
-                .suspend(|| eprintln!("frame {frame} failed: {error}"));
-        }
+    fn frame_skipped(&self, _: u32) {
+        // It is as if it had not been asked for: the forecast is of frames that take their time.
+        self.frames.fetch_sub(1, Ordering::Relaxed);
+        self.bar.dec_length(self.steps_per_frame);
         self.update();
+    }
+
+    fn frame_failed(&self, frame: u32, error: &SinkError) {
+        self.bar
+            .suspend(|| eprintln!("frame {frame} failed: {error}"));
     }
 }
 

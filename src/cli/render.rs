@@ -1,84 +1,63 @@
-use super::args::RenderArguments;
-use super::light::PathLight;
-use super::loading::{Loaded, load};
+use super::args::{OrderArgument, PrepareArgument, RenderArguments};
+use super::frames::coarse_to_fine;
+use super::interrupt::Interrupt;
+use super::job::Job;
 use super::progress::{SequenceProgress, Steps, clock, rays_per_second};
+use super::verify::prove;
 use super::{Failure, Status, warn};
-use crate::input::{GlobalIllumination, Settings};
-use crate::output::{FrameFolder, FrameFormat, FrameStorage, Manifest, SequenceInfo};
-use crate::render::{ErrorEstimate, RenderSettings, render_sequence, tile_count};
+use crate::output::{Fault, FrameFolder, Manifest};
+use crate::render::{ErrorEstimate, Outcome, render_sequence, tile_count};
 use std::io::Write;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
-    let flags = arguments.settings.settings();
-    flags.check().map_err(|error| error.of_flag())?;
-    let loaded = load(&arguments.input, arguments.threads)?;
-    let (scene, path) = (&loaded.scene, &loaded.path);
-    let given = flags.or(path.settings.clone()).or(scene.settings.clone());
-    given.check_together()?;
-    let mut settings = given.resolve();
-    let exposure = given.exposure.unwrap_or(0.0);
-    let light = light(arguments, &given, &loaded, &settings)?;
-    if arguments.aov.is_some() {
-        let (has_noise, advice) = match &light {
-            Some(_) => (
-                settings.has_noise_looking_up(),
-                "take more camera samples, or --gi exact",
-            ),
-            None => (settings.has_noise(), "choose a montecarlo mode"),
-        };
-        if !has_noise {
-            return Err(format!("--aov error: nothing is left to chance here; {advice}").into());
-        }
-    }
-
-    let timeline = path.path.timeline();
-    let count = timeline.frame_count();
+pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<Status, Failure> {
+    let Job {
+        loaded,
+        mut settings,
+        light,
+        plan,
+    } = Job::new(arguments)?;
+    let count = plan.frames;
     let frames = match &arguments.frames {
         None => (0..count).collect(),
         Some(ranges) => ranges.of_path(count)?,
     };
-    let format = FrameFormat::from(arguments.format);
-    let decisive = format!(
-        "{settings:?} {:?} {exposure} {format:?} {}",
-        light.as_ref().map(PathLight::paths),
-        env!("CARGO_PKG_VERSION")
-    );
-    let mut fingerprint = blake3::Hasher::new();
-    fingerprint.update(loaded.fingerprint().as_bytes());
-    fingerprint.update(decisive.as_bytes());
-    let info = SequenceInfo {
-        fps: timeline.fps,
-        frames: count,
-        width: settings.width,
-        height: settings.height,
-        extension: format.extension().to_owned(),
-        fingerprint: fingerprint.finalize().to_string(),
+    let folder = FrameFolder::new(&arguments.out, plan, arguments.force);
+    if arguments.prepare == Some(PrepareArgument::Plan) {
+        folder.prepare()?;
+        return Ok(Status::Done);
+    }
+    let mut missing = match arguments.force {
+        true => frames.clone(),
+        false => loaded
+            .pool
+            .install(|| missing(&folder, &frames, arguments.quiet)),
     };
-    let storage = FrameStorage {
-        format,
-        exposure,
-        error_maps: arguments.aov.is_some(),
-    };
-    let folder = FrameFolder::open(&arguments.out, storage, &info, arguments.force)?;
-    let missing: Vec<u32> = frames
-        .iter()
-        .copied()
-        .filter(|&frame| arguments.force || !folder.has(frame))
-        .collect();
+    if !missing.is_empty() || !folder.has_its_plan() {
+        folder.prepare()?;
+    }
     if let Some(light) = light.filter(|_| !missing.is_empty()) {
         settings = light.bake(&loaded, &settings, arguments.quiet)?;
     }
+    if arguments.prepare == Some(PrepareArgument::Light) {
+        return Ok(Status::Done);
+    }
+    if let OrderArgument::CoarseToFine = arguments.order {
+        coarse_to_fine(&mut missing, count);
+    }
+
     // How many samples a frame will need until it is good enough nobody knows: it counts as a whole.
     let steps = match settings.target_error {
         Some(_) => Steps::Frames,
         None => Steps::Tiles(tile_count(&settings)),
     };
-    let progress = SequenceProgress::new(missing.len() as u64, steps, arguments.quiet);
+    let shown = arguments.progress.shown(arguments.quiet);
+    interrupt.wait_to_be_asked();
+    let progress = SequenceProgress::new(missing.len() as u64, steps, shown, interrupt);
     let start = Instant::now();
     let outcome = render_sequence(
-        &scene.scene,
-        &path.path,
+        &loaded.scene.scene,
+        &loaded.path.path,
         &settings,
         &missing,
         &loaded.pool,
@@ -88,66 +67,98 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Status, Failure> {
     progress.finish();
     let elapsed = start.elapsed();
 
-    if outcome.non_finite_samples > 0 {
-        warn(&[format!(
-            "{} samples were not finite numbers and are black",
-            outcome.non_finite_samples
-        )]);
-    }
-    let listed = Manifest::of(&folder, count).write(&folder);
-    if let Err(error) = &listed {
-        warn(&[format!(
-            "{}: the frames' errors cannot be listed: {error}",
-            arguments.out.display()
-        )]);
-    }
-    let rendered = missing.len() - outcome.failures.len();
+    let is_listed = Manifest::is_right(&folder) || list(&folder);
     if !arguments.quiet {
-        // Nobody has to read it: the exit status says what matters.
-        let _ = writeln!(
-            std::io::stdout(),
-            "{rendered} frames rendered in {} ({}), {} were there, {} failed: {}",
-            clock(elapsed),
-            rays_per_second(outcome.rays, elapsed),
-            frames.len() - missing.len(),
-            outcome.failures.len(),
-            arguments.out.display()
-        );
-        if let Some(errors) = summary(&outcome.errors) {
-            let _ = writeln!(std::io::stdout(), "{errors}");
-        }
+        let there = frames.len() - missing.len();
+        summarise(&outcome, elapsed, there as u32, &folder);
     }
-    if let Some(target) = settings.target_error {
-        let reaches = |error: &ErrorEstimate| error.interval()[1] <= target;
-        let count = outcome.errors.iter().filter(|(_, e)| !reaches(e)).count();
-        if count > 0 {
-            warn(&[format!("{count} frames stayed above the error of {target}")]);
-        }
+    warn(&shortcomings(&outcome, settings.target_error));
+    let is_still_its_own = folder.has_its_plan();
+    if !is_still_its_own {
+        warn(&[format!(
+            "{}: somebody else has begun to render another sequence here; use two folders",
+            folder.path().display()
+        )]);
     }
-    Ok(if outcome.failures.is_empty() && listed.is_ok() {
+    Ok(if outcome.stopped {
+        Status::Interrupted
+    } else if outcome.failures.is_empty() && is_listed && is_still_its_own {
         Status::Done
     } else {
         Status::SomeFailed
     })
 }
 
-/// The light that frames look up; none if they gather it.
-fn light(
-    arguments: &RenderArguments,
-    given: &Settings,
-    loaded: &Loaded,
-    exact: &RenderSettings,
-) -> Result<Option<PathLight>, Failure> {
-    let file = arguments.gi_cache.as_deref();
-    let frames = loaded.path.path.timeline().frame_count();
-    match given.global_illumination(frames) {
-        GlobalIllumination::Path => {
-            let light = PathLight::open(file, loaded, exact, arguments.force)?;
-            Ok(Some(light))
+/// The frames that are not proven. Says of those that are there what is wrong with them.
+fn missing(folder: &FrameFolder, frames: &[u32], quiet: bool) -> Vec<u32> {
+    let mut missing = Vec::new();
+    let mut stale = 0;
+    for (frame, proof) in prove(folder, frames, quiet) {
+        let Err(fault) = proof else { continue };
+        missing.push(frame);
+        match fault {
+            Fault::Missing => {}
+            Fault::Stale => stale += 1,
+            fault => warn(&[format!("{}: {fault}", folder.file_of(frame).display())]),
         }
-        GlobalIllumination::Exact if file.is_some() => Err("--gi-cache: add --gi path".into()),
-        GlobalIllumination::Exact => Ok(None),
     }
+    if stale > 0 {
+        let folder = folder.path().display();
+        warn(&[format!(
+            "{folder}: {stale} frames are stale ({}) and rendered again",
+            Fault::Stale
+        )]);
+    }
+    missing
+}
+
+/// Writes down what the frames of the folder say of themselves.
+fn list(folder: &FrameFolder) -> bool {
+    folder.sync();
+    let listed = Manifest::update(folder);
+    if let Err(error) = &listed {
+        let folder = folder.path().display();
+        warn(&[format!("{folder}: its frames cannot be listed: {error}")]);
+    }
+    listed.is_ok()
+}
+
+fn summarise(outcome: &Outcome, elapsed: Duration, there: u32, folder: &FrameFolder) {
+    // Nobody has to read it: the exit status says what matters.
+    let mut out = std::io::stdout();
+    let _ = writeln!(
+        out,
+        "{} frames rendered in {} ({}), {} were there, {} failed{}: {}",
+        outcome.kept,
+        clock(elapsed),
+        rays_per_second(outcome.rays, elapsed),
+        there + outcome.kept_by_others,
+        outcome.failures.len(),
+        if outcome.stopped { ", interrupted" } else { "" },
+        folder.path().display()
+    );
+    if let Some(errors) = summary(&outcome.errors) {
+        let _ = writeln!(out, "{errors}");
+    }
+}
+
+/// What to say of frames that are there but not all that they could be.
+fn shortcomings(outcome: &Outcome, target_error: Option<f64>) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let black = outcome.non_finite_samples;
+    if black > 0 {
+        warnings.push(format!(
+            "{black} samples were not finite numbers and are black"
+        ));
+    }
+    if let Some(target) = target_error {
+        let reaches = |error: &ErrorEstimate| error.interval()[1] <= target;
+        let count = outcome.errors.iter().filter(|(_, e)| !reaches(e)).count();
+        if count > 0 {
+            warnings.push(format!("{count} frames stayed above the error of {target}"));
+        }
+    }
+    warnings
 }
 
 /// The errors of the frames that were rendered; none where nothing was left to chance.

@@ -19,7 +19,7 @@ fn program() -> std::io::Result<blake3::Hash> {
 }
 
 pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
-    let loaded = load(&arguments.input, arguments.threads)?;
+    let loaded = load(&arguments.input, &arguments.threads)?;
     let given = loaded
         .path
         .settings

@@ -1,36 +1,20 @@
-use super::exr_file;
+use super::fault::{Expected, Fault};
 use super::format::FrameFormat;
-use super::record::FrameRecord;
+use super::part_file::{PartFile, remove_leftovers, try_out, write_whole};
+use super::plan::Plan;
+use super::record::{FrameError, FrameRecord};
 use crate::film::Film;
-use crate::render::{EncodedFrame, FrameSink, RenderedFrame, SinkError};
-use serde::{Deserialize, Serialize};
-use std::fs;
-use std::io::{self, Write};
+use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
+use std::collections::HashSet;
+use std::fs::{self, File};
+use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// The file beside the frames that says what they are.
-const INFO_FILE: &str = "sequence.ron";
+const PLAN_FILE: &str = "sequence.ron";
 
-/// What all frames of a folder have in common.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename = "Sequence")]
-pub struct SequenceInfo {
-    /// Frames per second of the video.
-    pub fps: f64,
-    /// How many frames the whole path has.
-    pub frames: u32,
-    /// Columns.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// The ending of the frames' names.
-    pub extension: String,
-    /// A hash of all that decides the frames: input files, settings, format, program version.
-    pub fingerprint: String,
-}
-
-/// Why a folder cannot take frames.
+/// Why a folder cannot be used.
 #[derive(Debug, Error)]
 pub enum FolderError {
     /// The folder cannot be made or written.
@@ -41,73 +25,103 @@ pub enum FolderError {
         /// What the system says.
         source: io::Error,
     },
-    /// There are frames of something else.
-    #[error(
-        "{folder}: holds frames of another scene, path or settings; use another folder, or --force \
-         to render over them",
-        folder = .folder.display()
-    )]
-    OtherFrames {
+    /// The folder cannot be read.
+    #[error("{folder}: cannot be read: {source}", folder = .folder.display())]
+    Unreadable {
         /// The folder.
         folder: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// It does not say what its frames are to be.
+    #[error(
+        "{file}: {message}; render the sequence again: what is there of it is kept",
+        file = .file.display()
+    )]
+    NoPlan {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// Its frames are those of another version.
+    #[error(
+        "{folder}: its frames are of {theirs}, and this is {ours}: use that, or render them again",
+        folder = .folder.display(), ours = Plan::program()
+    )]
+    OtherProgram {
+        /// The folder.
+        folder: PathBuf,
+        /// The program and its version.
+        theirs: String,
     },
 }
 
-/// A folder of numbered frames. A file with a frame's name is a whole frame: it was written under
-/// another name first.
+/// A folder of numbered frames. A file with a frame's name is a whole frame, or was changed by somebody else: it
+/// was written under another name first.
 #[derive(Debug)]
 pub struct FrameFolder {
     folder: PathBuf,
-    storage: FrameStorage,
+    plan: Plan,
+    /// Whether frames that are proven are rendered all the same.
+    force: bool,
 }
 
-/// How frames are kept.
-#[derive(Clone, Copy, Debug)]
-pub struct FrameStorage {
-    /// The format of their files.
-    pub format: FrameFormat,
-    /// Stops that are applied to what is stored for display.
-    pub exposure: f32,
-    /// Whether the error of every pixel is kept beside the frame.
-    pub error_maps: bool,
+/// Where a frame will be kept.
+#[derive(Debug)]
+pub struct Place {
+    picture: PartFile,
+    error_map: Option<PartFile>,
 }
 
 impl FrameFolder {
-    /// Makes the folder and proves that it can be written. Refuses one that holds frames of
-    /// something else, unless `force`.
-    pub fn open(
-        folder: &Path,
-        storage: FrameStorage,
-        info: &SequenceInfo,
-        force: bool,
-    ) -> Result<FrameFolder, FolderError> {
-        let unwritable = |source| FolderError::Unwritable {
+    /// A folder that is there or will be, of the frames of a plan.
+    pub fn new(folder: &Path, plan: Plan, force: bool) -> FrameFolder {
+        FrameFolder {
             folder: folder.to_owned(),
-            source,
-        };
-        fs::create_dir_all(folder).map_err(unwritable)?;
-        let frames = FrameFolder {
-            folder: folder.to_owned(),
-            storage,
-        };
-        let there = fs::read_to_string(folder.join(INFO_FILE)).ok();
-        let same = there
-            .as_deref()
-            .and_then(|text| ron::from_str(text).ok())
-            .as_ref()
-            == Some(info);
-        if !same {
-            if !force && frames.holds_frames().map_err(unwritable)? {
-                return Err(FolderError::OtherFrames {
-                    folder: folder.to_owned(),
-                });
-            }
-            let pretty = ron::ser::PrettyConfig::new().struct_names(true);
-            let text = ron::ser::to_string_pretty(info, pretty).map_err(io::Error::other);
-            let write = text.and_then(|text| write_whole(&folder.join(INFO_FILE), text.as_bytes()));
-            write.map_err(unwritable)?;
+            plan,
+            force,
         }
-        Ok(frames)
+    }
+
+    /// A folder that is there, of the frames that it says it is of.
+    pub fn open(folder: &Path) -> Result<FrameFolder, FolderError> {
+        let file = folder.join(PLAN_FILE);
+        let text = fs::read_to_string(&file).map_err(|error| error.to_string());
+        let plan = text.and_then(|text| Plan::from_text(&text));
+        let plan = plan.map_err(|message| FolderError::NoPlan { file, message })?;
+        if plan.program != Plan::program() {
+            return Err(FolderError::OtherProgram {
+                folder: folder.to_owned(),
+                theirs: plan.program,
+            });
+        }
+        Ok(FrameFolder::new(folder, plan, false))
+    }
+
+    /// Makes the folder, proves that it can be written, writes down what its frames are to be, and removes what
+    /// processes that were killed have left.
+    pub fn prepare(&self) -> Result<(), FolderError> {
+        let prepare = || {
+            fs::create_dir_all(&self.folder)?;
+            remove_leftovers(&self.folder)?;
+            if self.has_its_plan() {
+                return try_out(&self.folder.join(PLAN_FILE));
+            }
+            let text = self.plan.to_text().map_err(io::Error::other)?;
+            write_whole(&self.folder.join(PLAN_FILE), text.as_bytes())
+        };
+        prepare().map_err(|source| FolderError::Unwritable {
+            folder: self.folder.clone(),
+            source,
+        })
+    }
+
+    /// Whether the folder is said to be of the frames of this plan, and no others.
+    pub fn has_its_plan(&self) -> bool {
+        let text = fs::read_to_string(self.folder.join(PLAN_FILE)).ok();
+        let there = text.and_then(|text| Plan::from_text(&text).ok());
+        there.is_some_and(|there| there.has_the_frames_of(&self.plan))
     }
 
     /// Where it is.
@@ -115,16 +129,15 @@ impl FrameFolder {
         &self.folder
     }
 
-    /// The file of a frame.
-    pub fn file_of(&self, frame: u32) -> PathBuf {
-        let extension = self.storage.format.extension();
-        self.folder.join(format!("frame_{frame:05}.{extension}"))
+    /// What its frames are to be.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
     }
 
-    /// Whether all that is kept of a frame is there.
-    pub fn has(&self, frame: u32) -> bool {
-        let has_map = || self.map_of(frame).is_file();
-        self.file_of(frame).is_file() && (!self.storage.error_maps || has_map())
+    /// The file of a frame.
+    pub fn file_of(&self, frame: u32) -> PathBuf {
+        let extension = self.plan.format.extension();
+        self.folder.join(format!("frame_{frame:05}.{extension}"))
     }
 
     /// The file of a frame's error map.
@@ -132,28 +145,112 @@ impl FrameFolder {
         self.folder.join(format!("error_{frame:05}.exr"))
     }
 
-    /// What the file of a frame says of it; none if it is not there, says nothing or is another frame.
+    /// Proves that all that is to be kept of a frame is there, whole, as it was written, and made from what the
+    /// plan says.
+    pub fn prove(&self, frame: u32) -> Result<FrameRecord, Fault> {
+        let record = self.prove_file(&self.file_of(frame), frame, self.plan.format)?;
+        if self.plan.error_maps {
+            let map = self.prove_file(&self.map_of(frame), frame, FrameFormat::Exr);
+            map.map_err(|fault| Fault::ErrorMap(Box::new(fault)))?;
+        }
+        Ok(record)
+    }
+
+    fn prove_file(
+        &self,
+        file: &Path,
+        frame: u32,
+        format: FrameFormat,
+    ) -> Result<FrameRecord, Fault> {
+        let bytes = fs::read(file).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound => Fault::Missing,
+            _ => Fault::Unreadable(error),
+        })?;
+        let expected = Expected {
+            frame,
+            format,
+            size: (self.plan.width, self.plan.height),
+            made_from: &self.plan.made_from[frame as usize],
+        };
+        expected.prove(&bytes)
+    }
+
+    /// What the file of a frame says of it, without proof; none if it is not there, says nothing or is another
+    /// frame.
     pub fn record(&self, frame: u32) -> Option<FrameRecord> {
-        let note = self
-            .storage
-            .format
-            .note(&self.file_of(frame))
-            .ok()
-            .flatten()?;
+        let note = self.plan.format.note(&self.file_of(frame)).ok().flatten()?;
         FrameRecord::from_text(&note).filter(|record| record.frame == frame)
     }
 
-    fn holds_frames(&self) -> io::Result<bool> {
-        for entry in fs::read_dir(&self.folder)? {
-            if entry?.file_name().to_string_lossy().starts_with("frame_") {
-                return Ok(true);
+    /// The names in the folder that look like frames but are none of the sequence, in order.
+    pub fn strays(&self) -> Result<Vec<String>, FolderError> {
+        let files = (0..self.plan.frames).map(|frame| self.file_of(frame));
+        let own: HashSet<PathBuf> = files.collect();
+        let strays = || -> io::Result<Vec<String>> {
+            let mut strays = Vec::new();
+            for entry in fs::read_dir(&self.folder)? {
+                let entry = entry?;
+                let name = entry.file_name().to_string_lossy().into_owned();
+                if name.starts_with("frame_") && !own.contains(&entry.path()) {
+                    strays.push(name);
+                }
             }
-        }
-        Ok(false)
+            strays.sort();
+            Ok(strays)
+        };
+        strays().map_err(|source| FolderError::Unreadable {
+            folder: self.folder.clone(),
+            source,
+        })
+    }
+
+    /// Sees to it that the names of all files that were kept outlast a stop of the machine, where the file
+    /// system knows how. What was in them did so before they had their names.
+    pub fn sync(&self) {
+        // A name that is lost is a frame that is missing: it will be found and rendered again.
+        let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
+    }
+
+    /// The most bytes that the file of a picture may take.
+    fn bound(&self, format: FrameFormat) -> u64 {
+        let pixels = u64::from(self.plan.width) * u64::from(self.plan.height);
+        let samples = 3 * format.bytes_per_channel() as u64 * pixels;
+        samples + samples / 8 + (1 << 12)
     }
 }
 
 impl FrameSink for FrameFolder {
+    type Place = Place;
+
+    fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Place>, SinkError> {
+        let claim = |file: &Path, format| -> io::Result<Option<PartFile>> {
+            let part = match insists {
+                true => Some(PartFile::own(file)?),
+                false => PartFile::claim(file)?,
+            };
+            // What there is no room for need not be rendered.
+            part.iter()
+                .try_for_each(|part| part.reserve(self.bound(format)))?;
+            Ok(part)
+        };
+        let file = self.file_of(frame);
+        let named = |file: &Path, error| format!("{}: cannot be written: {error}", file.display());
+        let picture = claim(&file, self.plan.format).map_err(|error| named(&file, error))?;
+        let Some(picture) = picture else {
+            return Ok(Claim::Busy);
+        };
+        if !self.force && self.prove(frame).is_ok() {
+            return Ok(Claim::Kept);
+        }
+        let mut error_map = None;
+        if self.plan.error_maps {
+            let file = self.map_of(frame);
+            // Whoever holds the frame holds its map.
+            error_map = claim(&file, FrameFormat::Exr).map_err(|error| named(&file, error))?;
+        }
+        Ok(Claim::Granted(Place { picture, error_map }))
+    }
+
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
         let RenderedFrame {
             mut film,
@@ -161,30 +258,40 @@ impl FrameSink for FrameFolder {
             error,
             ..
         } = rendered;
-        if self.storage.format != FrameFormat::Exr {
-            film.expose(self.storage.exposure);
+        if self.plan.format != FrameFormat::Exr {
+            film.expose(self.plan.exposure);
         }
-        let note = FrameRecord::new(frame, error).to_text()?;
-        let picture = self.storage.format.encode(&film, &note)?;
-        let wanted = deviation.filter(|_| self.storage.error_maps);
-        let error_map = wanted.map(|map| exr_file::encode(&magnitude(map), &note));
+        let error = error.map(FrameError::from);
+        let encode = |format: FrameFormat, film: &Film| -> Result<Vec<u8>, SinkError> {
+            let picture = format.picture(film);
+            let record = FrameRecord {
+                frame,
+                made_from: self.plan.made_from[frame as usize].clone(),
+                pixels: picture.hash().to_string(),
+                error,
+            };
+            Ok(format.encode(&picture, &record.to_text()?)?)
+        };
+        let picture = encode(self.plan.format, &film)?;
+        let wanted = deviation.filter(|_| self.plan.error_maps);
+        let error_map = wanted.map(|map| encode(FrameFormat::Exr, &magnitude(map)));
         Ok(EncodedFrame {
             picture,
             error_map: error_map.transpose()?,
         })
     }
 
-    fn keep(&self, frame: u32, encoded: &EncodedFrame) -> Result<(), SinkError> {
-        let keep = |file: PathBuf, bytes: &[u8]| {
-            write_whole(&file, bytes).map_err(|error| format!("{}: {error}", file.display()))
+    fn keep(&self, frame: u32, place: Place, encoded: &EncodedFrame) -> Result<(), SinkError> {
+        let keep = |file: PathBuf, part: PartFile, bytes: &[u8]| {
+            let written = part.finish(bytes);
+            written.map_err(|error| format!("{}: cannot be written: {error}", file.display()))
         };
         // The frame comes last: where it is, all of it is.
-        match &encoded.error_map {
-            Some(map) => keep(self.map_of(frame), map)?,
-            None => remove(&self.map_of(frame))?,
+        match (&encoded.error_map, place.error_map) {
+            (Some(map), Some(part)) => keep(self.map_of(frame), part, map)?,
+            _ => remove(&self.map_of(frame))?,
         }
-        keep(self.file_of(frame), &encoded.picture)?;
-        Ok(())
+        Ok(keep(self.file_of(frame), place.picture, &encoded.picture)?)
     }
 }
 
@@ -203,108 +310,245 @@ pub(super) fn remove(file: &Path) -> io::Result<()> {
     }
 }
 
-/// Proves that a file can be written, by one of another name in its folder that is there for a moment: before
-/// the work, not after.
-pub fn try_out(trial: &Path) -> io::Result<()> {
-    fs::write(trial, []).and_then(|()| fs::remove_file(trial))
-}
-
-/// Writes a file so that it is there whole or not at all, even if the machine stops in between.
-pub fn write_whole(file: &Path, bytes: &[u8]) -> io::Result<()> {
-    let name = file.file_name().unwrap_or_default().to_string_lossy();
-    // The process number keeps two programs that write one folder apart.
-    let temporary = file.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
-    let written = (|| {
-        let mut out = fs::File::create(&temporary)?;
-        out.write_all(bytes)?;
-        out.sync_all()?;
-        fs::rename(&temporary, file)
-    })();
-    if written.is_err() {
-        // Nothing more can be done about a leftover than to try.
-        let _ = fs::remove_file(&temporary);
-    }
-    written
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::plan::PlanCommand;
+    use glam::Vec3;
 
-    fn info(fingerprint: &str) -> SequenceInfo {
-        SequenceInfo {
+    fn plan(made_from: &str) -> Plan {
+        Plan {
+            program: Plan::program(),
+            command: PlanCommand {
+                folder: PathBuf::new(),
+                arguments: Vec::new(),
+            },
             fps: 25.0,
             frames: 3,
             width: 4,
             height: 2,
-            extension: "png".to_owned(),
-            fingerprint: fingerprint.to_owned(),
-        }
-    }
-
-    fn picture() -> EncodedFrame {
-        EncodedFrame {
-            picture: b"frame".to_vec(),
-            error_map: None,
-        }
-    }
-
-    fn open(folder: &Path, fingerprint: &str, force: bool) -> Result<FrameFolder, FolderError> {
-        let storage = FrameStorage {
             format: FrameFormat::Png,
             exposure: 0.0,
             error_maps: false,
+            path_light: false,
+            made_from: vec![made_from.to_owned(); 3],
+        }
+    }
+
+    fn rendered(light: f32) -> RenderedFrame {
+        RenderedFrame {
+            film: Film::from_pixels(4, 2, vec![Vec3::splat(light); 8]),
+            deviation: Some(Film::from_pixels(4, 2, vec![Vec3::splat(-0.1); 8])),
+            error: Some(crate::render::ErrorEstimate {
+                relative_square_error: 0.001,
+                standard_error: 0.0001,
+            }),
+            rays: 0,
+            non_finite_samples: 0,
+        }
+    }
+
+    fn keep(folder: &FrameFolder, frame: u32) -> Result<(), SinkError> {
+        let Claim::Granted(place) = folder.claim(frame, false)? else {
+            panic!("nobody else is there");
         };
-        FrameFolder::open(folder, storage, &info(fingerprint), force)
+        let encoded = folder.encode(frame, rendered(0.5)).expect("encodes");
+        folder.keep(frame, place, &encoded)
     }
 
-    #[test]
-    fn frames_are_numbered_and_nothing_else_is_left() {
-        let root = tempfile::tempdir().expect("a folder");
-        let folder = root.path().join("deep/er");
-        let frames = open(&folder, "a", false).expect("new");
-        assert!(!frames.has(7));
-        frames.keep(7, &picture()).expect("kept");
-        frames.keep(123_456, &picture()).expect("kept");
-        assert!(frames.has(7));
-        let entries = fs::read_dir(&folder)
-            .expect("there")
-            .map(|e| e.expect("entry").file_name());
-        let mut names: Vec<_> = entries.collect();
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).expect("there");
+        let names = entries.map(|e| e.expect("entry").file_name().to_string_lossy().into_owned());
+        let mut names: Vec<String> = names.collect();
         names.sort();
-        assert_eq!(
-            names,
-            ["frame_00007.png", "frame_123456.png", "sequence.ron"]
-        );
+        names
     }
 
     #[test]
-    fn refuses_frames_of_something_else_unless_forced() {
+    fn what_is_kept_is_proven_and_nothing_else_is_left() {
         let root = tempfile::tempdir().expect("a folder");
-        open(root.path(), "a", false).expect("new");
-        open(root.path(), "b", false)
-            .expect("no frames yet")
-            .keep(0, &picture())
-            .expect("kept");
-        open(root.path(), "b", false).expect("the same again");
+        let path = root.path().join("deep/er");
+        let folder = FrameFolder::new(&path, plan("a"), false);
+        folder.prepare().expect("new");
+        assert!(matches!(folder.prove(2), Err(Fault::Missing)));
+        keep(&folder, 2).expect("kept");
+        let record = folder.prove(2).expect("whole");
+        assert_eq!((record.frame, record.made_from.as_str()), (2, "a"));
+        assert_eq!(names(&path), ["frame_00002.png", "sequence.ron"]);
+        assert!(matches!(folder.claim(2, false), Ok(Claim::Kept)));
+        let opened = FrameFolder::open(&path).expect("there");
+        assert_eq!(opened.prove(2).expect("whole"), record);
+    }
+
+    #[test]
+    fn what_somebody_is_at_work_on_is_busy_for_others() {
+        let root = tempfile::tempdir().expect("a folder");
+        let folder = |force| FrameFolder::new(root.path(), plan("a"), force);
+        let place = folder(false).claim(1, false).expect("free");
+        assert!(matches!(folder(false).claim(1, false), Ok(Claim::Busy)));
         assert!(matches!(
-            open(root.path(), "c", false),
-            Err(FolderError::OtherFrames { .. })
+            folder(false).claim(1, true),
+            Ok(Claim::Granted(_))
         ));
-        open(root.path(), "c", true).expect("forced");
-        open(root.path(), "c", false).expect("now its own");
+        drop(place);
+        keep(&folder(false), 1).expect("free again");
+        assert!(matches!(folder(false).claim(1, true), Ok(Claim::Kept)));
+        assert!(matches!(
+            folder(true).claim(1, false),
+            Ok(Claim::Granted(_))
+        ));
+    }
+
+    #[test]
+    fn every_fault_is_told_from_the_others() {
+        let root = tempfile::tempdir().expect("a folder");
+        let folder = FrameFolder::new(root.path(), plan("a"), false);
+        keep(&folder, 0).expect("kept");
+        let file = folder.file_of(0);
+        let whole = fs::read(&file).expect("there");
+        let fault = |bytes: &[u8]| {
+            fs::write(&file, bytes).expect("written");
+            folder.prove(0).expect_err("changed").to_string()
+        };
+        assert_eq!(fault(b""), "empty");
+        assert!(fault(&whole[..40]).starts_with("cut short or damaged"));
+        assert!(fault(b"text").starts_with("cut short or damaged"));
+        assert!(fault(&[&whole[..], b"more"].concat()).starts_with("altered"));
+        let format = FrameFormat::Png;
+        let Ok(super::super::format::Contents { note, picture }) = format.decode(&whole, (4, 2))
+        else {
+            panic!("whole");
+        };
+        let (note, mut picture) = (note.expect("said"), picture.expect("whole"));
+        assert!(
+            fault(&format.encode(&picture, "other").expect("encodes"))
+                .starts_with("holds no whole record")
+        );
+        picture.samples[5] += 1;
+        assert!(fault(&format.encode(&picture, &note).expect("encodes")).starts_with("altered"));
+        keep(&folder, 1).expect("kept");
+        let other = fs::read(folder.file_of(1)).expect("there");
+        assert_eq!(fault(&other), "is frame 1 under another name");
+        fs::write(&file, &whole).expect("written");
+        let of_another = FrameFolder::new(root.path(), plan("b"), false);
+        let stale = of_another.prove(0).expect_err("other").to_string();
+        assert!(stale.starts_with("stale"), "{stale}");
+        for other in [
+            Plan {
+                width: 5,
+                ..plan("b")
+            },
+            Plan {
+                format: FrameFormat::Png16,
+                ..plan("b")
+            },
+        ] {
+            let stale = FrameFolder::new(root.path(), other, false).prove(0);
+            assert!(matches!(stale, Err(Fault::Stale)));
+        }
+        folder.prove(0).expect("as it was");
+    }
+
+    /// Of each file every bit is flipped, one after the other.
+    #[test]
+    fn no_flipped_bit_goes_unseen() {
+        let root = tempfile::tempdir().expect("a folder");
+        for format in [FrameFormat::Png, FrameFormat::Png16, FrameFormat::Exr] {
+            let of_format = Plan {
+                format,
+                ..plan("a")
+            };
+            let folder = FrameFolder::new(root.path(), of_format, false);
+            keep(&folder, 0).expect("kept");
+            let file = folder.file_of(0);
+            let whole = fs::read(&file).expect("there");
+            for bit in 0..8 * whole.len() {
+                let mut bytes = whole.clone();
+                bytes[bit / 8] ^= 1 << (bit % 8);
+                fs::write(&file, &bytes).expect("written");
+                assert!(folder.prove(0).is_err(), "{format:?}: bit {bit}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_error_map_belongs_to_its_frame() {
+        let root = tempfile::tempdir().expect("a folder");
+        let with_maps = Plan {
+            error_maps: true,
+            ..plan("a")
+        };
+        let folder = FrameFolder::new(root.path(), with_maps, false);
+        keep(&folder, 0).expect("kept");
+        folder.prove(0).expect("whole");
+        fs::write(folder.map_of(0), "half").expect("written");
+        assert!(matches!(folder.prove(0), Err(Fault::ErrorMap(_))));
+        keep(&folder, 0).expect("made again");
+        folder.prove(0).expect("whole");
+        keep(&FrameFolder::new(root.path(), plan("a"), true), 0).expect("kept");
+        assert_eq!(names(root.path()), ["frame_00000.png"]);
+    }
+
+    #[test]
+    fn plans_are_compared_but_for_the_command() {
+        let root = tempfile::tempdir().expect("a folder");
+        let folder = FrameFolder::new(root.path(), plan("a"), false);
+        folder.prepare().expect("new");
+        let mut same = plan("a");
+        same.command.arguments.push("--quiet".to_owned());
+        assert!(FrameFolder::new(root.path(), same, false).has_its_plan());
+        let other = FrameFolder::new(root.path(), plan("b"), false);
+        assert!(!other.has_its_plan());
+        other.prepare().expect("written over");
+        assert!(other.has_its_plan() && !folder.has_its_plan());
+        let older = Plan {
+            program: "flythrough 0.0.1".to_owned(),
+            ..plan("a")
+        };
+        FrameFolder::new(root.path(), older, false)
+            .prepare()
+            .expect("written over");
+        assert!(matches!(
+            FrameFolder::open(root.path()),
+            Err(FolderError::OtherProgram { .. })
+        ));
+        fs::write(root.path().join("sequence.ron"), "Sequence(").expect("written");
+        assert!(matches!(
+            FrameFolder::open(root.path()),
+            Err(FolderError::NoPlan { .. })
+        ));
+    }
+
+    #[test]
+    fn strays_look_like_frames() {
+        let root = tempfile::tempdir().expect("a folder");
+        let folder = FrameFolder::new(root.path(), plan("a"), false);
+        keep(&folder, 0).expect("kept");
+        for name in [
+            "frame_00003.png",
+            "frame_1.png",
+            "frame_00001.exr",
+            "notes.txt",
+        ] {
+            fs::write(root.path().join(name), "x").expect("written");
+        }
+        let strays = folder.strays().expect("can be read");
+        assert_eq!(
+            strays,
+            ["frame_00001.exr", "frame_00003.png", "frame_1.png"]
+        );
     }
 
     #[test]
     fn a_frame_that_cannot_be_written_names_its_file() {
         let root = tempfile::tempdir().expect("a folder");
-        let frames = open(root.path(), "a", false).expect("new");
-        fs::create_dir(root.path().join("frame_00001.png")).expect("made");
-        let error = frames
-            .keep(1, &picture())
-            .expect_err("in the way")
-            .to_string();
+        let folder = FrameFolder::new(root.path(), plan("a"), false);
+        fs::create_dir(folder.file_of(1)).expect("made");
+        let error = keep(&folder, 1).expect_err("in the way").to_string();
         assert!(error.contains("frame_00001.png"), "{error}");
-        assert_eq!(fs::read_dir(root.path()).expect("there").count(), 2);
+        assert_eq!(names(root.path()), ["frame_00001.png"]);
+        fs::remove_dir_all(root.path()).expect("removed");
+        let error = keep(&folder, 2).expect_err("nowhere").to_string();
+        assert!(error.contains("frame_00002.png"), "{error}");
     }
 }

@@ -1,14 +1,16 @@
-use super::exr_file;
+use super::picture::Picture;
+use super::{exr_file, png_file};
 use crate::film::Film;
-use std::fs::File;
-use std::io::{self, BufReader};
+use serde::{Deserialize, Serialize};
+use std::io;
 use std::path::Path;
 
 /// Under this name a file's note is found in it.
 pub(super) const NOTE: &str = "flythrough";
 
 /// How a frame is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum FrameFormat {
     /// 8 bits for each channel, sRGB.
     Png,
@@ -16,6 +18,14 @@ pub enum FrameFormat {
     Png16,
     /// 32-bit floats, linear light, OpenEXR.
     Exr,
+}
+
+/// What is in a file.
+pub(super) struct Contents {
+    /// What the file says; none if it says nothing.
+    pub(super) note: Option<String>,
+    /// None if its size or its kind is not the one expected.
+    pub(super) picture: Option<Picture>,
 }
 
 impl FrameFormat {
@@ -27,49 +37,55 @@ impl FrameFormat {
         }
     }
 
-    /// The bytes of a file that holds `film` and says `note`, a text of printable ASCII; the same for the
-    /// same film and note.
-    pub fn encode(self, film: &Film, note: &str) -> io::Result<Vec<u8>> {
+    /// Bytes of a channel of a pixel.
+    pub(super) fn bytes_per_channel(self) -> usize {
         match self {
-            FrameFormat::Png => png_file(film, png::BitDepth::Eight, &film.to_srgb8(), note),
-            FrameFormat::Png16 => {
-                png_file(film, png::BitDepth::Sixteen, &film.to_srgb16_be(), note)
-            }
-            FrameFormat::Exr => exr_file::encode(film, note),
+            FrameFormat::Png => 1,
+            FrameFormat::Png16 => 2,
+            FrameFormat::Exr => 4,
+        }
+    }
+
+    /// A film as it is stored.
+    pub(super) fn picture(self, film: &Film) -> Picture {
+        let samples = match self {
+            FrameFormat::Png => film.to_srgb8(),
+            FrameFormat::Png16 => film.to_srgb16_be(),
+            FrameFormat::Exr => exr_file::samples(film),
+        };
+        Picture {
+            width: film.width(),
+            height: film.height(),
+            samples,
+        }
+    }
+
+    /// The bytes of a file that holds `picture` and says `note`, a text of printable ASCII; the same for the
+    /// same picture and note.
+    pub(super) fn encode(self, picture: &Picture, note: &str) -> io::Result<Vec<u8>> {
+        match self {
+            FrameFormat::Png => png_file::encode(picture, png::BitDepth::Eight, note),
+            FrameFormat::Png16 => png_file::encode(picture, png::BitDepth::Sixteen, note),
+            FrameFormat::Exr => exr_file::encode(&exr_file::film(picture), note),
+        }
+    }
+
+    /// What a file's bytes hold, or why they are no file of this format that has its picture whole.
+    pub(super) fn decode(self, bytes: &[u8], size: (u32, u32)) -> Result<Contents, String> {
+        match self {
+            FrameFormat::Png => png_file::decode(bytes, png::BitDepth::Eight, size),
+            FrameFormat::Png16 => png_file::decode(bytes, png::BitDepth::Sixteen, size),
+            FrameFormat::Exr => exr_file::contents(bytes, size),
         }
     }
 
     /// What a file of this format says; none if it says nothing.
-    pub fn note(self, file: &Path) -> io::Result<Option<String>> {
+    pub(super) fn note(self, file: &Path) -> io::Result<Option<String>> {
         match self {
-            FrameFormat::Png | FrameFormat::Png16 => png_note(file),
+            FrameFormat::Png | FrameFormat::Png16 => png_file::note(file),
             FrameFormat::Exr => exr_file::note(file),
         }
     }
-}
-
-fn png_file(film: &Film, depth: png::BitDepth, samples: &[u8], note: &str) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, film.width(), film.height());
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(depth);
-    // Without a tag, programs guess the colour space, and guess differently.
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    encoder.add_text_chunk(NOTE.to_owned(), note.to_owned())?;
-    // Stronger settings cost many times the encoding time for a few per cent of size.
-    encoder.set_compression(png::Compression::Fast);
-    let mut writer = encoder.write_header()?;
-    writer.write_image_data(samples)?;
-    writer.finish()?;
-    Ok(bytes)
-}
-
-fn png_note(file: &Path) -> io::Result<Option<String>> {
-    let decoder = png::Decoder::new(BufReader::new(File::open(file)?));
-    let reader = decoder.read_info()?;
-    let texts = &reader.info().uncompressed_latin1_text;
-    let note = texts.iter().find(|text| text.keyword == NOTE);
-    Ok(note.map(|note| note.text.clone()))
 }
 
 #[cfg(test)]
@@ -79,6 +95,7 @@ mod tests {
     use std::io::Cursor;
 
     const SAID: &str = "Frame(frame:7,error:None)";
+    const FORMATS: [FrameFormat; 3] = [FrameFormat::Png, FrameFormat::Png16, FrameFormat::Exr];
 
     fn film() -> Film {
         let mut film = Film::new(3, 2);
@@ -88,14 +105,19 @@ mod tests {
         film
     }
 
+    fn file(format: FrameFormat) -> Vec<u8> {
+        format
+            .encode(&format.picture(&film()), SAID)
+            .expect("encodes")
+    }
+
     #[test]
     fn png_files_hold_the_codes_and_say_srgb() {
         for (format, codes) in [
             (FrameFormat::Png, film().to_srgb8()),
             (FrameFormat::Png16, film().to_srgb16_be()),
         ] {
-            let bytes = format.encode(&film(), SAID).expect("encodes");
-            let mut reader = png::Decoder::new(Cursor::new(bytes))
+            let mut reader = png::Decoder::new(Cursor::new(file(format)))
                 .read_info()
                 .expect("a PNG");
             assert!(reader.info().srgb.is_some());
@@ -108,25 +130,41 @@ mod tests {
 
     #[test]
     fn exr_files_hold_the_floats() {
-        let bytes = FrameFormat::Exr.encode(&film(), SAID).expect("encodes");
+        let bytes = file(FrameFormat::Exr);
         let image = image::load_from_memory(&bytes)
             .expect("an EXR")
             .into_rgb32f();
         let channels: Vec<f32> = film().pixels().iter().flat_map(|p| p.to_array()).collect();
         assert_eq!(image.into_raw(), channels);
-        let folder = tempfile::tempdir().expect("a folder");
-        let file = folder.path().join("film.exr");
-        std::fs::write(&file, bytes).expect("written");
-        assert_eq!(exr_file::decode(&file).expect("an EXR"), film());
+        assert_eq!(exr_file::decode(&bytes).expect("an EXR"), film());
     }
 
     #[test]
-    fn files_say_their_notes() {
+    fn files_say_their_notes_and_give_back_what_was_stored() {
         let folder = tempfile::tempdir().expect("a folder");
-        for format in [FrameFormat::Png, FrameFormat::Png16, FrameFormat::Exr] {
-            let file = folder.path().join("frame");
-            std::fs::write(&file, format.encode(&film(), SAID).expect("encodes")).expect("written");
-            assert_eq!(format.note(&file).expect("whole").as_deref(), Some(SAID));
+        for format in FORMATS {
+            let stored = folder.path().join("frame");
+            std::fs::write(&stored, file(format)).expect("written");
+            assert_eq!(format.note(&stored).expect("whole").as_deref(), Some(SAID));
+            let contents = format.decode(&file(format), (3, 2)).expect("whole");
+            assert_eq!(contents.note.as_deref(), Some(SAID));
+            let picture = format.picture(&film());
+            assert_eq!(picture.samples.len(), 18 * format.bytes_per_channel());
+            assert!(contents.picture == Some(picture));
+            let other = format.decode(&file(format), (2, 3)).expect("whole");
+            assert!(other.picture.is_none() && other.note.is_some());
+        }
+    }
+
+    /// Whatever is cut off.
+    #[test]
+    fn no_part_of_a_file_is_a_file() {
+        for format in FORMATS {
+            let file = file(format);
+            for length in 0..file.len() {
+                let decoded = format.decode(&file[..length], (3, 2));
+                assert!(decoded.is_err(), "{format:?}: {length} of {}", file.len());
+            }
         }
     }
 }

@@ -1,4 +1,4 @@
-use super::folder::{try_out, write_whole};
+use super::part_file::{try_out, write_whole};
 use crate::bake::LightCache;
 use std::fs;
 use std::io;
@@ -77,11 +77,7 @@ impl LightFile {
 
     /// Proves that it can be written, before the work and not after.
     pub fn try_out(&self) -> Result<(), LightFileError> {
-        let name = self.file.file_name().unwrap_or_default().to_string_lossy();
-        let trial = self
-            .file
-            .with_file_name(format!(".{name}.{}.trial", std::process::id()));
-        try_out(&trial).map_err(|source| self.unwritable(source))
+        try_out(&self.file).map_err(|source| self.unwritable(source))
     }
 
     /// The light that it holds; none if there is no such file. With `force` none, too, if it is damaged or of

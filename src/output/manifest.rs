@@ -1,33 +1,62 @@
-use super::folder::{FrameFolder, remove, write_whole};
+use super::folder::{FrameFolder, remove};
+use super::part_file::write_whole;
 use super::record::FrameRecord;
 use crate::chart::{Axis, Chart, Point, Series};
 use serde::Serialize;
+use std::fs;
 use std::io;
 
+const FILE: &str = "manifest.ron";
+
 /// What the frames of a folder say of themselves, by number.
-#[derive(Debug, Serialize)]
+#[derive(Debug, PartialEq, Serialize)]
 pub struct Manifest {
     frames: Vec<FrameRecord>,
 }
 
 impl Manifest {
-    /// Asks each of the first `count` frames that is there: the manifest is made anew of the frames alone, so
-    /// it is right for whoever rendered them, in however many runs. What is no frame is passed over.
-    pub fn of(folder: &FrameFolder, count: u32) -> Manifest {
-        let frames = (0..count)
-            .filter_map(|frame| folder.record(frame))
-            .collect();
-        Manifest { frames }
+    /// Asks each frame that is there: the manifest is made anew of the frames alone, so it is right for whoever
+    /// rendered them, in however many runs, and can be lost. What is no frame is passed over.
+    fn of(folder: &FrameFolder) -> Manifest {
+        let frames = (0..folder.plan().frames).filter_map(|frame| folder.record(frame));
+        Manifest {
+            frames: frames.collect(),
+        }
+    }
+
+    /// Whether there is one that says what the frames say.
+    pub fn is_right(folder: &FrameFolder) -> bool {
+        let there = fs::read_to_string(folder.path().join(FILE)).ok();
+        there.is_some() && there == Manifest::of(folder).to_text().ok()
     }
 
     /// Writes `manifest.ron` and, if any frame has an error, `errors.csv` and a picture of it, `errors.svg`;
     /// otherwise there are no such files.
-    pub fn write(&self, folder: &FrameFolder) -> io::Result<()> {
+    ///
+    /// Others may do the same at the same time, and keep frames: it is done when nothing has come since it was
+    /// begun. So whoever is the last to write has seen all.
+    pub fn update(folder: &FrameFolder) -> io::Result<()> {
+        let mut manifest = Manifest::of(folder);
+        loop {
+            manifest.write(folder)?;
+            let now = Manifest::of(folder);
+            if now == manifest {
+                return Ok(());
+            }
+            manifest = now;
+        }
+    }
+
+    fn to_text(&self) -> Result<String, ron::Error> {
         let pretty = ron::ser::PrettyConfig::new()
             .struct_names(true)
             .depth_limit(2);
-        let text = ron::ser::to_string_pretty(self, pretty).map_err(io::Error::other)?;
-        write_whole(&folder.path().join("manifest.ron"), text.as_bytes())?;
+        ron::ser::to_string_pretty(self, pretty)
+    }
+
+    fn write(&self, folder: &FrameFolder) -> io::Result<()> {
+        let text = self.to_text().map_err(io::Error::other)?;
+        write_whole(&folder.path().join(FILE), text.as_bytes())?;
         let mut table = "frame,relMSE,low,high\n".to_owned();
         let mut points = Vec::new();
         for record in &self.frames {

@@ -2,11 +2,15 @@ use crate::render::ErrorEstimate;
 use serde::{Deserialize, Serialize};
 
 /// What a frame's file says of the frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Frame")]
 pub struct FrameRecord {
     /// Its number.
     pub frame: u32,
+    /// A hash of all that decided its pixels: the scene's files, its camera, settings, format, program version.
+    pub made_from: String,
+    /// A hash of the file's pixels.
+    pub pixels: String,
     /// How far chance may have moved it; none where nothing was left to chance.
     pub error: Option<FrameError>,
 }
@@ -24,28 +28,29 @@ pub struct FrameError {
 }
 
 impl FrameRecord {
-    /// Of a frame and the error that was estimated for it.
-    pub fn new(frame: u32, error: Option<ErrorEstimate>) -> FrameRecord {
-        let error = error.map(|error| {
-            let [low, high] = error.interval().map(five_digits);
-            let relative_square_error = five_digits(error.relative_square_error);
-            FrameError {
-                relative_square_error,
-                low,
-                high,
-            }
-        });
-        FrameRecord { frame, error }
+    /// The text that the file carries: the record and a hash of it.
+    pub(super) fn to_text(&self) -> Result<String, ron::Error> {
+        let text = ron::ser::to_string(self)?;
+        let hash = blake3::hash(text.as_bytes());
+        Ok(format!("{text} {hash}"))
     }
 
-    /// The text that the file carries.
-    pub(super) fn to_text(self) -> Result<String, ron::Error> {
-        ron::ser::to_string(&self)
-    }
-
-    /// What a text says; none if it is no record.
+    /// What a text says; none if it is no record, or was changed.
     pub(super) fn from_text(text: &str) -> Option<FrameRecord> {
-        ron::from_str(text).ok()
+        let (text, hash) = text.rsplit_once(' ')?;
+        let is_whole = blake3::hash(text.as_bytes()).to_string() == hash;
+        ron::from_str(text).ok().filter(|_| is_whole)
+    }
+}
+
+impl From<ErrorEstimate> for FrameError {
+    fn from(error: ErrorEstimate) -> FrameError {
+        let [low, high] = error.interval().map(five_digits);
+        FrameError {
+            relative_square_error: five_digits(error.relative_square_error),
+            low,
+            high,
+        }
     }
 }
 
@@ -64,13 +69,20 @@ mod tests {
             standard_error: 1e-5,
         };
         for error in [None, Some(estimate)] {
-            let record = FrameRecord::new(7, error);
+            let record = FrameRecord {
+                frame: 7,
+                made_from: "ab".to_owned(),
+                pixels: "cd".to_owned(),
+                error: error.map(FrameError::from),
+            };
             let text = record.to_text().expect("plain numbers");
             assert_eq!(FrameRecord::from_text(&text), Some(record), "{text}");
         }
-        let error = FrameRecord::new(7, Some(estimate)).error.expect("given");
+        let error = FrameError::from(estimate);
         assert_eq!(error.relative_square_error, 0.001_234_6);
         assert_eq!([error.low, error.high], [0.001_215, 0.001_254_2]);
-        assert_eq!(FrameRecord::from_text("Software"), None);
+        for other in ["Software", "", "Frame(frame:7) ab"] {
+            assert_eq!(FrameRecord::from_text(other), None);
+        }
     }
 }

@@ -42,30 +42,61 @@ pub fn tile_count(settings: &RenderSettings) -> u64 {
     Grid::of(settings).tiles()
 }
 
+/// Follows the work on a frame, from several threads, and may stop it.
+pub trait Watch: Sync {
+    /// A tile is finished; it took `rays` rays.
+    fn tile_done(&self, rays: u64);
+    /// Whether the frame is to be given up.
+    fn is_stopped(&self) -> bool;
+}
+
+/// Nobody watches.
+struct Unwatched;
+
+impl Watch for Unwatched {
+    fn tile_done(&self, _: u64) {}
+
+    fn is_stopped(&self) -> bool {
+        false
+    }
+}
+
 /// Renders frame number `frame` through `camera` on the threads of the current pool.
-///
-/// `tile_done` is told the rays of each tile when it is finished.
 pub fn render_frame(
     scene: &Scene,
     camera: &Camera,
     settings: &RenderSettings,
     frame: u32,
-    tile_done: &(dyn Fn(u64) + Sync),
 ) -> RenderedFrame {
+    let rendered = render_watched(scene, camera, settings, frame, &Unwatched);
+    rendered.expect("nobody stops it")
+}
+
+/// The same under the eyes of `watch`; none if that stops it.
+pub(super) fn render_watched(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &RenderSettings,
+    frame: u32,
+    watch: &dyn Watch,
+) -> Option<RenderedFrame> {
     let grid = Grid::of(settings);
     let sampler = Sampler::new(scene, camera, settings, frame);
     let mut estimates = Estimates::new(grid, &sampler);
-    estimates.refine(grid, &sampler, |_| 1, tile_done);
+    estimates.refine(grid, &sampler, |_| 1, watch);
+    if watch.is_stopped() {
+        return None;
+    }
     let light_error = settings.light_errors.get(frame as usize).copied();
     if sampler.halves == 1 {
         let film = develop(settings, estimates.values);
-        return RenderedFrame {
+        return Some(RenderedFrame {
             film,
             deviation: None,
             error: light_error,
             rays: estimates.rays,
             non_finite_samples: estimates.non_finite,
-        };
+        });
     }
     let mut developed = develop_halves(settings, &estimates);
     if let Some(target) = settings.target_error {
@@ -78,18 +109,21 @@ pub fn render_frame(
             if wanted == estimates.passes {
                 break;
             }
-            estimates.refine(grid, &sampler, |number| wanted[number], tile_done);
+            estimates.refine(grid, &sampler, |number| wanted[number], watch);
+            if watch.is_stopped() {
+                return None;
+            }
             developed = develop_halves(settings, &estimates);
         }
     }
     let (film, deviation, noise) = developed;
-    RenderedFrame {
+    Some(RenderedFrame {
         film,
         deviation: Some(deviation),
         error: Some(light_error.map_or(noise, |light| light.plus(noise))),
         rays: estimates.rays,
         non_finite_samples: estimates.non_finite,
-    }
+    })
 }
 
 /// What is left of a target error by the light that is looked up: half of it at least, as no samples make good

@@ -17,10 +17,10 @@ mod sequence;
 mod settings;
 
 pub use flicker::Flicker;
-pub use frame::{RenderedFrame, render_frame, tile_count};
+pub use frame::{RenderedFrame, Watch, render_frame, tile_count};
 pub use light_errors::light_errors;
 pub use noise::ErrorEstimate;
 pub use pixels::render_pixels;
 pub use reprojection::{Match, Reprojection, TILE};
-pub use sequence::{EncodedFrame, FrameSink, Observer, Outcome, SinkError, render_sequence};
+pub use sequence::{Claim, EncodedFrame, FrameSink, Observer, Outcome, SinkError, render_sequence};
 pub use settings::{PixelSampling, RenderSettings};

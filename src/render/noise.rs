@@ -1,6 +1,7 @@
 use crate::metrics::normaliser;
 use glam::Vec3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// How far a frame is from what it would be with endless samples, by the frame alone and by what is known of
 /// the light that it looks up.
@@ -8,7 +9,7 @@ use rayon::prelude::*;
 /// The error is relMSE: the mean over pixels and channels of (x - r)^2 / (m^2 + (white / 10)^2), of this very
 /// frame x, where r is the frame without noise, and m the mean of x around the pixel: see [`normaliser`]. What
 /// no sample has met is not known to it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorEstimate {
     /// An unbiased estimate of the frame's relMSE; at least 0.
     pub relative_square_error: f64,

@@ -1,3 +1,4 @@
+use super::frame::Watch;
 use super::grid::Grid;
 use super::{PixelSampling, RenderSettings};
 use crate::accel::Traversal;
@@ -193,13 +194,13 @@ impl Estimates {
     }
 
     /// Takes as many passes at each point, by its number, as are missing to those wanted; tile by tile in
-    /// parallel.
+    /// parallel. Once the watch is stopped, further tiles take none.
     pub(super) fn refine(
         &mut self,
         grid: Grid,
         sampler: &Sampler,
         wanted: impl Fn(usize) -> u32 + Sync,
-        tile_done: &(dyn Fn(u64) + Sync),
+        watch: &dyn Watch,
     ) {
         let taken = &self.passes;
         let passes = |point| {
@@ -210,13 +211,14 @@ impl Estimates {
             .into_par_iter()
             .map(|tile| {
                 let mut points = grid.tile_points(tile);
+                let stopped = watch.is_stopped();
                 points.retain(|&point| {
                     let (before, now) = passes(point);
-                    now > before
+                    now > before && !stopped
                 });
                 let mut work = Work::default();
                 let means = sampler.means(&points, passes, &mut work);
-                tile_done(work.traversal.rays);
+                watch.tile_done(work.traversal.rays);
                 RefinedTile {
                     points,
                     means,

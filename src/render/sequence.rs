@@ -1,8 +1,11 @@
-use super::frame::{RenderedFrame, render_frame};
+use super::frame::{RenderedFrame, Watch, render_watched};
 use super::noise::ErrorEstimate;
 use super::settings::RenderSettings;
 use crate::camera::CameraPath;
 use crate::scene::Scene;
+use std::any::Any;
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::thread;
 
@@ -15,10 +18,30 @@ pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
 
 /// Takes finished frames, from several threads and in no fixed order.
 pub trait FrameSink: Sync {
+    /// The right to keep a frame; given up if it is dropped.
+    type Place: Send;
+
+    /// Asked right before a frame is rendered: others may be at work on the same frames. Where `insists`, it
+    /// does not matter whether others are at work on this one.
+    fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Self::Place>, SinkError>;
+
     /// What to keep of a frame. Is called on a thread of the pool: it may compute, not wait.
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError>;
+
     /// Keeps a frame for good, or says why it could not. May wait for a disk.
-    fn keep(&self, frame: u32, encoded: &EncodedFrame) -> Result<(), SinkError>;
+    fn keep(&self, frame: u32, place: Self::Place, encoded: &EncodedFrame)
+    -> Result<(), SinkError>;
+}
+
+/// Whether to render a frame.
+#[derive(Debug)]
+pub enum Claim<Place> {
+    /// Nobody else does.
+    Granted(Place),
+    /// Somebody else is at work on it.
+    Busy,
+    /// Somebody else has kept it.
+    Kept,
 }
 
 /// The bytes to keep of a frame.
@@ -30,19 +53,27 @@ pub struct EncodedFrame {
     pub error_map: Option<Vec<u8>>,
 }
 
-/// Is told how the work goes on, from several threads.
-pub trait Observer: Sync {
-    /// A tile is finished; it took `rays` rays.
-    fn tile_done(&self, rays: u64);
-    /// A frame is finished and kept, or failed.
-    fn frame_done(&self, frame: u32, failure: Option<&SinkError>);
+/// Is told how the work goes on, from several threads, and may stop it.
+pub trait Observer: Watch {
+    /// A frame is rendered and kept.
+    fn frame_kept(&self, frame: u32);
+    /// A frame is not rendered: somebody else has, or it could not be kept.
+    fn frame_skipped(&self, frame: u32);
+    /// A frame is not there, before or after it was rendered.
+    fn frame_failed(&self, frame: u32, error: &SinkError);
 }
 
 /// How a sequence went.
 #[derive(Debug, Default)]
 pub struct Outcome {
+    /// How many frames were rendered and kept.
+    pub kept: u32,
+    /// How many frames others kept in the meantime.
+    pub kept_by_others: u32,
     /// The frames that were not kept and why, by number.
     pub failures: Vec<(u32, SinkError)>,
+    /// Whether the work was stopped while frames were left to do; those in flight were given up.
+    pub stopped: bool,
     /// Rays traced in all frames.
     pub rays: u64,
     /// Samples that were replaced by black because they were not finite.
@@ -52,50 +83,312 @@ pub struct Outcome {
 }
 
 /// Renders the numbered frames of a camera path, in the order given, each on all threads of the
-/// pool, and hands them to `sink`. A frame that fails does not stop the others.
-pub fn render_sequence(
+/// pool, and hands them to `sink`. A frame that fails, be it by a panic, does not stop the others. Frames that
+/// others are at work on come last, and are rendered then if they still are not there: nobody is waited for.
+pub fn render_sequence<Sink: FrameSink>(
     scene: &Scene,
     path: &CameraPath,
     settings: &RenderSettings,
     frames: &[u32],
     pool: &rayon::ThreadPool,
-    sink: &dyn FrameSink,
+    sink: &Sink,
     observer: &dyn Observer,
 ) -> Outcome {
-    let queue = Mutex::new(frames.iter().copied());
-    let outcome = Mutex::new(Outcome::default());
-    let next = || queue.lock().expect("no holder panics").next();
-    let drive = || {
-        while let Some(frame) = next() {
-            let camera = path.camera(frame);
-            let tile_done = |rays| observer.tile_done(rays);
-            let (encoded, counted) = pool.install(|| {
-                let rendered = render_frame(scene, &camera, settings, frame, &tile_done);
-                let error = rendered.error;
-                let counted = (rendered.rays, rendered.non_finite_samples, error);
-                (sink.encode(frame, rendered), counted)
-            });
-            let kept = encoded.and_then(|encoded| sink.keep(frame, &encoded));
-            observer.frame_done(frame, kept.as_ref().err());
-            let (rays, non_finite_samples, error) = counted;
-            let mut outcome = outcome.lock().expect("no holder panics");
-            outcome.rays += rays;
-            outcome.non_finite_samples += non_finite_samples;
-            match kept {
-                Ok(()) => outcome.errors.extend(error.map(|error| (frame, error))),
-                Err(error) => outcome.failures.push((frame, error)),
-            }
-        }
+    let run = Run {
+        scene,
+        path,
+        settings,
+        pool,
+        sink,
+        observer,
+        queue: Mutex::new(frames.iter().map(|&frame| (frame, false)).collect()),
+        outcome: Mutex::default(),
     };
     // The drivers wait outside the pool, so that no pool thread can be caught running one frame
     // inside another and hold it back.
     thread::scope(|scope| {
         for _ in 0..FRAMES_IN_FLIGHT {
-            scope.spawn(drive);
+            scope.spawn(|| run.drive());
         }
     });
-    let mut outcome = outcome.into_inner().expect("no holder panics");
+    let mut outcome = run.outcome.into_inner().expect("no holder panics");
     outcome.failures.sort_by_key(|(frame, _)| *frame);
     outcome.errors.sort_by_key(|(frame, _)| *frame);
     outcome
+}
+
+struct Run<'a, Sink> {
+    scene: &'a Scene,
+    path: &'a CameraPath,
+    settings: &'a RenderSettings,
+    pool: &'a rayon::ThreadPool,
+    sink: &'a Sink,
+    observer: &'a dyn Observer,
+    /// Frames to do, and whether to insist on them.
+    queue: Mutex<VecDeque<(u32, bool)>>,
+    outcome: Mutex<Outcome>,
+}
+
+/// What became of a frame.
+enum Fate {
+    Kept(Counted),
+    KeptByOthers,
+    Busy,
+    Stopped,
+}
+
+/// What a frame adds to the outcome.
+struct Counted {
+    rays: u64,
+    non_finite_samples: u64,
+    error: Option<ErrorEstimate>,
+}
+
+impl<Sink: FrameSink> Run<'_, Sink> {
+    fn drive(&self) {
+        while let Some((frame, insists)) = self.next() {
+            let fate = self.render(frame, insists);
+            match &fate {
+                Ok(Fate::Kept(_)) => self.observer.frame_kept(frame),
+                Ok(_) => {}
+                Err(error) => self.observer.frame_failed(frame, error),
+            }
+            let mut outcome = self.outcome.lock().expect("no holder panics");
+            match fate {
+                Ok(Fate::Kept(counted)) => {
+                    outcome.kept += 1;
+                    outcome.rays += counted.rays;
+                    outcome.non_finite_samples += counted.non_finite_samples;
+                    outcome
+                        .errors
+                        .extend(counted.error.map(|error| (frame, error)));
+                }
+                Ok(Fate::KeptByOthers) => outcome.kept_by_others += 1,
+                Ok(Fate::Busy) => self.queue().push_back((frame, true)),
+                Ok(Fate::Stopped) => outcome.stopped = true,
+                Err(error) => outcome.failures.push((frame, error)),
+            }
+        }
+    }
+
+    fn queue(&self) -> std::sync::MutexGuard<'_, VecDeque<(u32, bool)>> {
+        self.queue.lock().expect("no holder panics")
+    }
+
+    fn next(&self) -> Option<(u32, bool)> {
+        self.queue().pop_front()
+    }
+
+    fn render(&self, frame: u32, insists: bool) -> Result<Fate, SinkError> {
+        if self.observer.is_stopped() {
+            return Ok(Fate::Stopped);
+        }
+        let claim = self.sink.claim(frame, insists);
+        if matches!(claim, Ok(Claim::Kept) | Err(_)) {
+            self.observer.frame_skipped(frame);
+        }
+        let place = match claim? {
+            Claim::Granted(place) => place,
+            Claim::Busy => return Ok(Fate::Busy),
+            Claim::Kept => return Ok(Fate::KeptByOthers),
+        };
+        let work = || self.pool.install(|| self.encoded(frame));
+        // Nothing of a frame outlives its panic.
+        let Some((encoded, counted)) = catch_unwind(AssertUnwindSafe(work))
+            .map_err(|panic| format!("the renderer panicked: {}", message(&*panic)))?
+        else {
+            return Ok(Fate::Stopped);
+        };
+        self.sink.keep(frame, place, &encoded?)?;
+        Ok(Fate::Kept(counted))
+    }
+
+    /// A frame as the sink keeps it; none if the work is stopped.
+    fn encoded(&self, frame: u32) -> Option<(Result<EncodedFrame, SinkError>, Counted)> {
+        let camera = self.path.camera(frame);
+        let watch: &dyn Watch = self.observer;
+        let rendered = render_watched(self.scene, &camera, self.settings, frame, watch)?;
+        let counted = Counted {
+            rays: rendered.rays,
+            non_finite_samples: rendered.non_finite_samples,
+            error: rendered.error,
+        };
+        Some((self.sink.encode(frame, rendered), counted))
+    }
+}
+
+/// What a panic says.
+fn message(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or(panic.downcast_ref::<&str>().copied());
+    text.unwrap_or("nothing more is known")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Interpolation, Keyframe, Orientation};
+    use crate::integrator::Integrator;
+    use crate::scene::SceneBuilder;
+    use glam::DVec3;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    /// Keeps the numbers of frames, and does with some what others would.
+    #[derive(Default)]
+    struct Sink {
+        kept: Mutex<Vec<u32>>,
+        claims: Mutex<Vec<(u32, bool)>>,
+    }
+
+    const PANICS: u32 = 3;
+    const CANNOT_BE_CLAIMED: u32 = 4;
+    const CANNOT_BE_KEPT: u32 = 5;
+    const IS_BUSY: u32 = 1;
+    const IS_KEPT: u32 = 2;
+
+    impl FrameSink for Sink {
+        type Place = ();
+
+        fn claim(&self, frame: u32, insists: bool) -> Result<Claim<()>, SinkError> {
+            self.claims.lock().expect("whole").push((frame, insists));
+            match frame {
+                CANNOT_BE_CLAIMED => Err("no room".into()),
+                IS_BUSY if !insists => Ok(Claim::Busy),
+                IS_KEPT => Ok(Claim::Kept),
+                _ => Ok(Claim::Granted(())),
+            }
+        }
+
+        fn encode(&self, frame: u32, _: RenderedFrame) -> Result<EncodedFrame, SinkError> {
+            assert_ne!(frame, PANICS, "as planned");
+            Ok(EncodedFrame {
+                picture: Vec::new(),
+                error_map: None,
+            })
+        }
+
+        fn keep(&self, frame: u32, (): (), _: &EncodedFrame) -> Result<(), SinkError> {
+            if frame == CANNOT_BE_KEPT {
+                return Err("lost".into());
+            }
+            self.kept.lock().expect("whole").push(frame);
+            Ok(())
+        }
+    }
+
+    /// Notes what it is told, and stops after a frame.
+    #[derive(Default)]
+    struct Notes {
+        lines: Mutex<Vec<String>>,
+        last: Option<u32>,
+        stopped: AtomicBool,
+    }
+
+    impl Notes {
+        fn note(&self, line: String) {
+            self.lines.lock().expect("whole").push(line);
+        }
+    }
+
+    impl Watch for Notes {
+        fn tile_done(&self, _: u64) {}
+
+        fn is_stopped(&self) -> bool {
+            self.stopped.load(Ordering::SeqCst)
+        }
+    }
+
+    impl Observer for Notes {
+        fn frame_kept(&self, frame: u32) {
+            self.note(format!("{frame} kept"));
+            if self.last == Some(frame) {
+                self.stopped.store(true, Ordering::SeqCst);
+            }
+        }
+
+        fn frame_skipped(&self, frame: u32) {
+            self.note(format!("{frame} skipped"));
+        }
+
+        fn frame_failed(&self, frame: u32, error: &SinkError) {
+            self.note(format!("{frame} failed: {error}"));
+        }
+    }
+
+    fn render(frames: &[u32], sink: &Sink, notes: &Notes) -> Outcome {
+        let (scene, _) = SceneBuilder::default().build();
+        let key = |time| Keyframe {
+            time,
+            position: DVec3::ZERO,
+            orientation: Orientation::LookAt(DVec3::NEG_Z),
+            field_of_view: 1.0,
+        };
+        let keys = [key(0.0), key(999.0)];
+        let path = CameraPath::new(1.0, Interpolation::Linear, &keys).expect("a path");
+        let settings = RenderSettings::new(Integrator::RayTracing { bounces: 0 }, 4, 4);
+        let pool = rayon::ThreadPoolBuilder::new().build().expect("threads");
+        render_sequence(&scene, &path, &settings, frames, &pool, sink, notes)
+    }
+
+    #[test]
+    fn one_frames_failure_is_not_anothers() {
+        let (sink, notes) = (Sink::default(), Notes::default());
+        let outcome = render(&[0, 1, 2, 3, 4, 5, 6], &sink, &notes);
+        let mut kept = sink.kept.into_inner().expect("whole");
+        kept.sort_unstable();
+        assert_eq!(kept, [0, 1, 6]);
+        assert_eq!((outcome.kept, outcome.kept_by_others), (3, 1));
+        assert!(!outcome.stopped);
+        let failures: Vec<String> = outcome
+            .failures
+            .iter()
+            .map(|(frame, error)| format!("{frame}: {error}"))
+            .collect();
+        assert!(
+            failures[0].starts_with("3: the renderer panicked: "),
+            "{failures:?}"
+        );
+        assert!(failures[0].contains("as planned"), "{failures:?}");
+        assert_eq!(failures[1..], ["4: no room", "5: lost"]);
+        let mut lines = notes.lines.into_inner().expect("whole");
+        lines.retain(|line| !line.contains("panicked"));
+        lines.sort();
+        let expected = [
+            "0 kept",
+            "1 kept",
+            "2 skipped",
+            "4 failed: no room",
+            "4 skipped",
+            "5 failed: lost",
+            "6 kept",
+        ];
+        assert_eq!(lines, expected);
+    }
+
+    #[test]
+    fn what_others_are_at_work_on_is_asked_for_again_and_insisted_on() {
+        let (sink, notes) = (Sink::default(), Notes::default());
+        render(&[1, 0, 6], &sink, &notes);
+        let claims = sink.claims.into_inner().expect("whole");
+        assert_eq!(claims.len(), 4);
+        let of_1 = claims.iter().filter(|(frame, _)| *frame == 1);
+        assert_eq!(of_1.collect::<Vec<_>>(), [&(1, false), &(1, true)]);
+    }
+
+    #[test]
+    fn no_frame_is_begun_after_an_end_is_asked_for() {
+        let sink = Sink::default();
+        let notes = Notes {
+            last: Some(0),
+            ..Notes::default()
+        };
+        let frames: Vec<u32> = [0].into_iter().chain(6..400).collect();
+        let outcome = render(&frames, &sink, &notes);
+        assert!(outcome.stopped);
+        assert!(outcome.kept < 394, "{}", outcome.kept);
+        assert_eq!(
+            outcome.kept as usize,
+            sink.kept.into_inner().expect("whole").len()
+        );
+    }
 }

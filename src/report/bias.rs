@@ -178,7 +178,7 @@ impl HeldOutFrame {
         let (scene, frame) = (inputs.scene, self.frame);
         let camera = inputs.path.camera(frame);
         if needs_frames(technique) {
-            let film = render_frame(scene, &camera, settings, frame, &|_| ()).film;
+            let film = render_frame(scene, &camera, settings, frame).film;
             let pixel = |&(x, y): &(u32, u32)| film.pixels()[(y * film.width() + x) as usize];
             return self.pixels.iter().map(pixel).collect();
         }

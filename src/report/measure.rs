@@ -171,7 +171,7 @@ fn take(inputs: &Inputs, technique: &Technique, settings: &RenderSettings, frame
                 seed: settings.seed + repeat,
                 ..settings.clone()
             };
-            let rendered = render_frame(inputs.scene, &camera, &settings, frame, &|_| ());
+            let rendered = render_frame(inputs.scene, &camera, &settings, frame);
             rays += rendered.rays;
             error = rendered.error;
             for (sum, pixel) in sum.pixels_mut().iter_mut().zip(rendered.film.pixels()) {

@@ -191,8 +191,8 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
     };
     let strips = inputs.folder.join("strips");
     fs::create_dir_all(&strips).map_err(|source| ReportError::file(&strips, source))?;
-    let trial = inputs.folder.join(".trial");
-    try_out(&trial).map_err(|source| ReportError::file(&trial, source))?;
+    let written_last = inputs.folder.join("report.md");
+    try_out(&written_last).map_err(|source| ReportError::file(&written_last, source))?;
 
     let usual_references = reference::references(inputs, false, &mut progress)?;
     let tiny_references = reference::references(inputs, true, &mut progress)?;

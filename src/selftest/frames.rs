@@ -38,7 +38,7 @@ fn four_modes() -> [RenderSettings; 4] {
 }
 
 fn film((scene, camera): &(Scene, Camera), settings: &RenderSettings) -> Film {
-    render_frame(scene, camera, settings, 0, &|_| ()).film
+    render_frame(scene, camera, settings, 0).film
 }
 
 /// How many pixels of two films are not the same, bit by bit.
@@ -155,9 +155,7 @@ pub(super) fn through_a_wall(kernel: Kernel) -> f64 {
     let sees_wall = |x: f64, way: f64| {
         let eye = DVec3::new(x, 0.1, 0.2);
         let camera = looking(eye, eye + DVec3::new(way, 0.01, 0.02), 1.0);
-        let seen = render_frame(&scene, &camera, &settings, 0, &|_| ())
-            .film
-            .pixels()[0];
+        let seen = render_frame(&scene, &camera, &settings, 0).film.pixels()[0];
         seen.distance(Vec3::X) < 1e-6
     };
     let steps = -300..=300;
@@ -247,7 +245,7 @@ pub(super) fn slow_dolly(kernel: Kernel) -> f64 {
             rotation: DMat3::IDENTITY,
             half_height,
         };
-        let film = render_frame(&scene, &camera, &settings, frame, &|_| ()).film;
+        let film = render_frame(&scene, &camera, &settings, frame).film;
         let deviations = film.pixels().iter().enumerate().map(|(i, seen)| {
             let columns = SIZE.x as usize;
             let at = DVec2::new((i % columns) as f64, (i / columns) as f64) + 0.5;

@@ -279,7 +279,7 @@ pub(super) fn ground(kernel: Kernel) -> f64 {
     let size = DVec2::new(160.0, 90.0);
     let mut worst: f64 = 0.0;
     for camera in cameras {
-        let film = render_frame(&scene, &camera, &settings, 0, &|_| ()).film;
+        let film = render_frame(&scene, &camera, &settings, 0).film;
         let rays = camera.rays(size, DVec3::ZERO);
         for (i, pixel) in film.pixels().iter().enumerate() {
             let middle = DVec2::new((i % 160) as f64, (i / 160) as f64) + 0.5;

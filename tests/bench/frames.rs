@@ -143,15 +143,7 @@ impl Frame {
     fn render(&self) -> (f64, u64) {
         let mut rays = 0;
         let seconds = median(|| {
-            let none = |_| ();
-            rays = render_frame(
-                &self.scene,
-                &self.camera,
-                &self.settings,
-                self.number,
-                &none,
-            )
-            .rays;
+            rays = render_frame(&self.scene, &self.camera, &self.settings, self.number).rays;
         });
         (seconds, rays)
     }

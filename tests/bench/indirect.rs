@@ -92,7 +92,7 @@ fn main() {
         for _ in 0..RUNS {
             for (settings, best) in both.iter().zip(&mut best) {
                 let start = Instant::now();
-                let rays = render_frame(&scene, &camera, settings, frame, &|_| ()).rays;
+                let rays = render_frame(&scene, &camera, settings, frame).rays;
                 *best = (best.0.min(start.elapsed().as_secs_f64()), rays as f64);
             }
         }
@@ -175,7 +175,7 @@ fn main() {
     };
     let start = Instant::now();
     for &frame in &frames {
-        render_frame(&scene, &path.camera(frame), &small, frame, &|_| ());
+        render_frame(&scene, &path.camera(frame), &small, frame);
     }
     let seconds = start.elapsed().as_secs_f64() * f64::from(SHARE * SHARE) / f64::from(FRAMES);
     println!(

@@ -74,7 +74,7 @@ pub(crate) fn settings(integrator: Integrator, width: u32, height: u32) -> Rende
 
 /// The pixels of one frame.
 pub(crate) fn render(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Vec<Vec3> {
-    let rendered = render_frame(scene, camera, settings, 0, &|_| ());
+    let rendered = render_frame(scene, camera, settings, 0);
     assert_eq!(rendered.non_finite_samples, 0);
     rendered.film.pixels().to_vec()
 }

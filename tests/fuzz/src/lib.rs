@@ -62,7 +62,7 @@ fn render(scene: &Scene) {
             },
         ] {
             let settings = RenderSettings::new(integrator, 4, 3);
-            let rendered = render_frame(scene, &camera, &settings, 0, &|_| ());
+            let rendered = render_frame(scene, &camera, &settings, 0);
             for pixel in rendered.film.pixels() {
                 assert!(pixel.min_element() >= 0.0, "{pixel}");
             }

@@ -1,0 +1,360 @@
+//! Frames that are there are proven, and what is not is rendered again: nothing less, nothing more.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod support;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use support::*;
+
+/// A scene with a model and a texture, and a path of nine frames, in a folder of their own.
+struct Project {
+    folder: tempfile::TempDir,
+}
+
+const SCENE: &str = "Scene(
+    // A comment.
+    ambient: (1, 1, 1),
+    materials: {\"photo\": (texture: \"t.png\")},
+    objects: [
+        sphere(radius: 0.5, material: \"photo\"),
+        model(file: \"m.obj\", translation: (0.5, 0, 0)),
+    ],
+)";
+
+fn keys(keys: &[(f64, f64)]) -> String {
+    let key = |(time, x): &(f64, f64)| {
+        format!("(time: {time}, position: ({x}, 0, 3), look_at: ({x}, 0, 0), fov: 45)")
+    };
+    let keys: Vec<String> = keys.iter().map(key).collect();
+    format!(
+        "CameraPath(fps: 4, interpolation: linear, keyframes: [{}])",
+        keys.join(", ")
+    )
+}
+
+const KEYS: [(f64, f64); 3] = [(0.0, -0.2), (1.0, 0.0), (2.0, 0.3)];
+
+impl Project {
+    fn new() -> Project {
+        let project = Project {
+            folder: tempfile::tempdir().unwrap(),
+        };
+        project.write("s.ron", SCENE.as_bytes());
+        project.write("p.ron", keys(&KEYS).as_bytes());
+        project.write("m.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        project.picture(90);
+        project
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) {
+        fs::write(self.folder.path().join(name), bytes).unwrap();
+    }
+
+    fn picture(&self, red: u8) {
+        let picture = image::RgbImage::from_pixel(2, 2, image::Rgb([red, 100, 50]));
+        picture.save(self.folder.path().join("t.png")).unwrap();
+    }
+
+    fn out(&self) -> std::path::PathBuf {
+        self.folder.path().join("out")
+    }
+
+    /// Renders, and says which of the frames' files were written.
+    fn render(&self, more: &[&str]) -> Vec<u32> {
+        let before = changes(&self.out());
+        let name = |name: &str| self.folder.path().join(name).to_str().unwrap().to_owned();
+        let (scene, path, out) = (name("s.ron"), name("p.ron"), name("out"));
+        let start = ["render", &scene, &path, "-o", &out];
+        let size = match more.contains(&"--size") {
+            true => &[][..],
+            false => &["--size", "16x12"],
+        };
+        let output = flythrough(&[&start[..], size, more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let after = changes(&self.out());
+        let written = after
+            .iter()
+            .filter(|(frame, at)| before.get(frame) != Some(at));
+        written.map(|(frame, _)| *frame).collect()
+    }
+
+    /// The exit status of `verify`, and what it says.
+    fn verify(&self) -> (Option<i32>, String) {
+        let output = flythrough(&["verify", self.out().to_str().unwrap()]);
+        let said = String::from_utf8(output.stdout).unwrap();
+        let folder = format!("{}/", self.out().display());
+        (output.status.code(), said.replace(&folder, ""))
+    }
+
+    fn missing(&self, more: &[&str]) -> String {
+        let output = flythrough(&[&["missing", self.out().to_str().unwrap()], more].concat());
+        assert_eq!(output.status.code(), Some(0));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    fn file(&self, frame: u32) -> std::path::PathBuf {
+        self.out().join(format!("frame_{frame:05}.png"))
+    }
+}
+
+/// The inodes of the frames' files by number: a frame that is written is another file.
+fn changes(folder: &Path) -> BTreeMap<u32, u64> {
+    use std::os::unix::fs::MetadataExt;
+    let entries = fs::read_dir(folder).into_iter().flatten();
+    let of = |entry: fs::DirEntry| {
+        let name = entry.file_name().into_string().ok()?;
+        let number = name.strip_prefix("frame_")?.strip_suffix(".png")?;
+        Some((number.parse().ok()?, entry.metadata().ok()?.ino()))
+    };
+    entries.filter_map(|entry| of(entry.unwrap())).collect()
+}
+
+const ALL: [u32; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];
+
+#[test]
+fn a_frame_rendered_again_is_the_same_file() {
+    let project = Project::new();
+    assert_eq!(project.render(&[]), ALL);
+    let once = frames(&project.out());
+    let manifest = fs::read(project.out().join("manifest.ron")).unwrap();
+    assert!(project.render(&[]).is_empty());
+    assert_eq!(
+        project.render(&["--force", "--frames", "2-4", "--threads", "1"]),
+        [2, 3, 4]
+    );
+    fs::remove_dir_all(project.out()).unwrap();
+    assert_eq!(
+        project.render(&["--frames", "5-8", "--order", "coarse-to-fine"]),
+        [5, 6, 7, 8]
+    );
+    assert_eq!(project.render(&[]), [0, 1, 2, 3, 4]);
+    assert_eq!(frames(&project.out()), once);
+    assert_eq!(
+        fs::read(project.out().join("manifest.ron")).unwrap(),
+        manifest
+    );
+}
+
+#[test]
+fn an_edit_makes_the_right_frames_stale() {
+    let project = Project::new();
+    assert_eq!(project.render(&[]), ALL);
+    let none: [u32; 0] = [];
+    type Edit = fn(&Project);
+    let edits: [(&str, Edit, &[u32]); 10] = [
+        ("nothing", |_| {}, &none),
+        (
+            "scene",
+            |p| p.write("s.ron", SCENE.replace("0.5, m", "0.4, m").as_bytes()),
+            &ALL,
+        ),
+        ("texture", |p| p.picture(91), &ALL),
+        (
+            "texture, its name",
+            |p| {
+                fs::rename(p.folder.path().join("t.png"), p.folder.path().join("u.png")).unwrap();
+                p.picture(91);
+            },
+            &none,
+        ),
+        (
+            "model",
+            |p| p.write("m.obj", b"v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n"),
+            &ALL,
+        ),
+        (
+            "what no scene names",
+            |p| p.write("other.obj", b"v 1 2 3"),
+            &none,
+        ),
+        (
+            "comment in the path",
+            |p| {
+                p.write("p.ron", format!("// Slow.\n{}", keys(&KEYS)).as_bytes());
+            },
+            &none,
+        ),
+        (
+            "last key",
+            |p| {
+                p.write("p.ron", keys(&[KEYS[0], KEYS[1], (2.0, 0.4)]).as_bytes());
+            },
+            &[5, 6, 7, 8],
+        ),
+        (
+            "one key more",
+            |p| {
+                p.write(
+                    "p.ron",
+                    keys(&[KEYS[0], KEYS[1], (2.0, 0.4), (3.0, 0.4)]).as_bytes(),
+                );
+            },
+            &[9, 10, 11, 12],
+        ),
+        (
+            "middle key",
+            |p| {
+                p.write(
+                    "p.ron",
+                    keys(&[KEYS[0], (1.0, 0.1), (2.0, 0.4), (3.0, 0.4)]).as_bytes(),
+                );
+            },
+            &[1, 2, 3, 4, 5, 6, 7],
+        ),
+    ];
+    for (what, edit, stale) in edits {
+        edit(&project);
+        assert_eq!(project.render(&[]), stale, "{what}");
+        assert_eq!(project.verify().0, Some(0), "{what}");
+    }
+}
+
+#[test]
+fn settings_that_decide_pixels_make_frames_stale_and_others_do_not() {
+    let project = Project::new();
+    assert_eq!(project.render(&[]), ALL);
+    for more in [
+        &["--threads", "1"][..],
+        &["--order", "coarse-to-fine"],
+        &["--quiet"],
+        &["--progress", "openjd"],
+        &["--mode", "raytracing"],
+        &["--bounces", "4"],
+    ] {
+        assert!(project.render(more).is_empty(), "{more:?}");
+    }
+    for more in [
+        &["--bounces", "3"][..],
+        &["--samples", "2"],
+        &["--seed", "1"],
+        &["--exposure", "1"],
+        &["--mode", "supersampling"],
+        &["--format", "png16"],
+        &["--size", "17x12"],
+    ] {
+        assert_eq!(project.render(more), ALL, "{more:?}");
+        assert_eq!(project.verify().0, Some(0), "{more:?}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_frame_is_said_and_mended() {
+    let project = Project::new();
+    project.render(&[]);
+    let once = frames(&project.out());
+    let change = |frame: u32, change: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = fs::read(project.file(frame)).unwrap();
+        change(&mut bytes);
+        fs::write(project.file(frame), bytes).unwrap();
+    };
+    let middle = once[0].1.len() / 2;
+    change(1, &|bytes| bytes[middle] ^= 4);
+    change(2, &|bytes| bytes.truncate(middle));
+    change(3, &|bytes| bytes.clear());
+    change(4, &|bytes| bytes.push(0));
+    fs::copy(project.file(0), project.file(5)).unwrap();
+    fs::remove_file(project.file(6)).unwrap();
+    image::RgbImage::new(16, 12).save(project.file(7)).unwrap();
+    let (status, said) = project.verify();
+    assert_eq!(status, Some(3));
+    let expected = "\
+frame_00001.png: cut short or damaged: CRC error
+frame_00002.png: cut short or damaged: unexpected end of file
+frame_00003.png: empty
+frame_00004.png: altered after it was written
+frame_00005.png: is frame 0 under another name
+frame_00006.png: missing
+frame_00007.png: holds no whole record of flythrough
+2 of 9 frames are proven: ";
+    for (line, expected) in said.lines().zip(expected.lines()) {
+        assert!(line.starts_with(expected), "{line}: {expected}");
+    }
+    assert_eq!(said.lines().count(), 8);
+    assert_eq!(project.missing(&[]), "1\n2\n3\n4\n5\n6\n7\n");
+    assert_eq!(project.missing(&["--format", "openjd"]), "1-7\n");
+    assert_eq!(
+        project.missing(&["--format", "slurm", "--chunk", "4"]),
+        "0-1\n"
+    );
+    assert_eq!(project.render(&[]), [1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!(frames(&project.out()), once);
+    assert_eq!(project.missing(&["--format", "openjd"]), "");
+    fs::write(project.file(9), "no frame").unwrap();
+    let (status, said) = project.verify();
+    assert_eq!(status, Some(3));
+    assert!(
+        said.starts_with("frame_00009.png: no frame of the sequence"),
+        "{said}"
+    );
+}
+
+#[test]
+fn the_manifest_is_made_anew_of_the_frames_and_the_plan_of_the_inputs() {
+    let project = Project::new();
+    project.render(&[]);
+    for name in ["manifest.ron", "sequence.ron"] {
+        let file = project.out().join(name);
+        let once = fs::read(&file).unwrap();
+        for lost in [true, false] {
+            match lost {
+                true => fs::remove_file(&file).unwrap(),
+                false => fs::write(&file, &once[..once.len() / 2]).unwrap(),
+            }
+            assert_eq!(
+                project.verify().0,
+                Some(if name == "sequence.ron" { 2 } else { 0 })
+            );
+            assert!(project.render(&[]).is_empty());
+            assert_eq!(fs::read(&file).unwrap(), once, "{name}");
+        }
+    }
+}
+
+#[test]
+fn a_prepared_folder_knows_what_it_lacks() {
+    let project = Project::new();
+    assert!(project.render(&["--prepare", "plan"]).is_empty());
+    assert_eq!(project.missing(&["--format", "openjd"]), "0-8\n");
+    project.render(&["--frames", "2-3"]);
+    assert_eq!(project.missing(&["--format", "openjd"]), "0-1,4-8\n");
+    project.render(&[]);
+    assert_eq!(project.missing(&[]), "");
+    project.picture(7);
+    assert_eq!(project.missing(&[]), "");
+    project.render(&["--prepare", "plan"]);
+    assert_eq!(project.missing(&["--format", "openjd"]), "0-8\n");
+}
+
+/// What a run wants to know of the light of the path, the runs after it find beside the frames.
+#[test]
+fn light_of_the_path_is_kept_beside_the_frames() {
+    let project = Project::new();
+    let more = ["--mode", "montecarlo"];
+    assert!(
+        project
+            .render(&[&more[..], &["--prepare", "light"]].concat())
+            .is_empty()
+    );
+    let light = project.out().join("light.cache");
+    let kept = fs::metadata(&light).unwrap().modified().unwrap();
+    assert_eq!(
+        project.render(&[&more[..], &["--frames", "3"]].concat()),
+        [3]
+    );
+    assert_eq!(fs::metadata(&light).unwrap().modified().unwrap(), kept);
+    let once = fs::read(project.file(3)).unwrap();
+    fs::write(&light, "damaged").unwrap();
+    assert_eq!(
+        project.render(&[&more[..], &["--frames", "3", "--force"]].concat()),
+        [3]
+    );
+    assert_eq!(fs::read(project.file(3)).unwrap(), once);
+    // The light of another path is no part of it.
+    project.write("p.ron", keys(&[(0.0, 0.1), (2.0, -0.3)]).as_bytes());
+    project.render(&more);
+    project.write("p.ron", keys(&KEYS).as_bytes());
+    assert_eq!(project.render(&more), ALL);
+    assert_eq!(fs::read(project.file(3)).unwrap(), once);
+}

@@ -19,7 +19,7 @@
 //! | 5 | [`render`] | file formats, folders, terminals |
 //! | 6 | [`bake`] | the same |
 //! | 7 | [`input`], [`output`], [`selftest`] | each other, the command line |
-//! | 8 | [`report`] | the command line |
+//! | 8 | [`report`], [`forecast`] | each other, the command line |
 //! | 9 | [`cli`] | the mathematics |
 
 pub mod accel;
@@ -28,6 +28,7 @@ pub mod camera;
 pub mod chart;
 pub mod cli;
 pub mod film;
+pub mod forecast;
 pub mod geometry;
 pub mod illumination;
 pub mod input;

@@ -4,6 +4,8 @@ use crate::output::FrameFormat;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::PathBuf;
+use std::str::FromStr;
+use std::time::Duration;
 
 /// Renders pre-recorded camera fly-throughs: a scene and a camera path in, every frame out.
 #[derive(Debug, Parser)]
@@ -16,8 +18,10 @@ pub(super) struct Arguments {
 #[derive(Debug, Subcommand)]
 pub(super) enum Command {
     Render(RenderArguments),
+    Quote(QuoteArguments),
     Verify(VerifyArguments),
     Missing(MissingArguments),
+    Audit(AuditArguments),
     Bake(BakeArguments),
     Check(CheckArguments),
     Report(ReportArguments),
@@ -61,27 +65,45 @@ pub(super) struct ThreadsArgument {
 #[derive(Debug, Args)]
 pub(super) struct RenderArguments {
     #[command(flatten)]
-    pub(super) input: InputArguments,
+    pub(super) job: JobArguments,
     /// Folder for the frames: frame_00000.png onward
     #[arg(short, long, value_name = "DIR")]
     pub(super) out: PathBuf,
     /// Frames to render, as in 0-99:2,120 [default: all]
     #[arg(short, long, value_name = "RANGES")]
     pub(super) frames: Option<FrameRanges>,
-    #[command(flatten)]
-    pub(super) settings: SettingsArguments,
-    /// File for the light of --gi path, which may be that of a bake or of other runs; made if it is not there
-    /// [default: light.cache in the folder of the frames]
-    #[arg(long, value_name = "FILE")]
-    pub(super) gi_cache: Option<PathBuf>,
+    /// Take as many camera samples as all frames of the path can have in this time, as in 2h or 90min, on this
+    /// machine; the choice is kept in the folder
+    #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with_all = ["samples", "target_error"])]
+    pub(super) budget: Option<Duration>,
     /// Which frames come first
     #[arg(long, value_enum, default_value = "sequential")]
     pub(super) order: OrderArgument,
     /// Render nothing, only make the folder ready for processes that will
     #[arg(long, value_enum, value_name = "WHAT")]
     pub(super) prepare: Option<PrepareArgument>,
+    /// Render frames even if they are there already
+    #[arg(long)]
+    pub(super) force: bool,
+    /// How progress is told
+    #[arg(long, value_enum, default_value = "auto")]
+    pub(super) progress: ProgressArgument,
+    /// No progress and no summary
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+/// What decides the frames of a sequence, and how they are made.
+#[derive(Debug, Args)]
+pub(super) struct JobArguments {
     #[command(flatten)]
-    pub(super) threads: ThreadsArgument,
+    pub(super) input: InputArguments,
+    #[command(flatten)]
+    pub(super) settings: SettingsArguments,
+    /// File for the light of --gi path, which may be that of a bake or of other runs; made if it is not there
+    /// [default: light.cache in the folder of the frames]
+    #[arg(long, value_name = "FILE")]
+    pub(super) gi_cache: Option<PathBuf>,
     /// File format of the frames
     #[arg(long, value_enum, default_value = "png")]
     pub(super) format: FormatArgument,
@@ -89,9 +111,53 @@ pub(super) struct RenderArguments {
     /// every pixel (half the difference between the two halves of its samples; linear light)
     #[arg(long, value_enum, value_name = "LAYER")]
     pub(super) aov: Option<AovArgument>,
-    /// Render frames even if they are there already
-    #[arg(long)]
-    pub(super) force: bool,
+    #[command(flatten)]
+    pub(super) threads: ThreadsArgument,
+}
+
+/// Say what a sequence will take, before it is paid for: time, disk and memory
+///
+/// Renders a few frames of the path, small ones where whole ones would take long, and tells what all of them will
+/// take on this machine: what is most likely, and between what it is 19 times of 20. Light of --gi path is worked
+/// out for it; with --out or --gi-cache it is kept, and costs nothing more.
+///
+/// What is quoted to a folder is held against what it took, when its frames are rendered.
+///
+/// Exit status: 0 it is told, 2 wrong input or usage.
+#[derive(Debug, Args)]
+pub(super) struct QuoteArguments {
+    #[command(flatten)]
+    pub(super) job: JobArguments,
+    /// Folder that the frames will be rendered to
+    #[arg(short, long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Choose as many camera samples as all frames can have in this time, as in 2h or 90min
+    #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with_all = ["samples", "target_error"])]
+    pub(super) budget: Option<Duration>,
+    /// No progress bar
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+/// Render some frames of a folder again, and compare them with what is there, byte for byte
+///
+/// They are made as the command made them that is written down in the folder. So a machine of a farm that
+/// renders other pictures than this one is found.
+///
+/// Exit status: 0 all are the same, 2 not a folder of frames, or made from something else, 3 some are not the
+/// same.
+#[derive(Debug, Args)]
+pub(super) struct AuditArguments {
+    /// Folder of the frames
+    pub(super) folder: PathBuf,
+    /// How many frames, as in 1% or 5; one at least
+    #[arg(long, value_name = "N", default_value = "1%")]
+    pub(super) sample: SampleSize,
+    /// Chooses other frames
+    #[arg(long, value_name = "N", default_value = "0")]
+    pub(super) seed: u64,
+    #[command(flatten)]
+    pub(super) threads: ThreadsArgument,
     /// How progress is told
     #[arg(long, value_enum, default_value = "auto")]
     pub(super) progress: ProgressArgument,
@@ -331,6 +397,52 @@ impl From<FormatArgument> for FrameFormat {
     }
 }
 
+/// A time as people write it.
+fn parse_time(text: &str) -> Result<Duration, String> {
+    let time = humantime::parse_duration(text).map_err(|error| error.to_string())?;
+    match time.is_zero() {
+        true => Err("there is no time in it".to_owned()),
+        false => Ok(time),
+    }
+}
+
+/// How many of a number of things.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum SampleSize {
+    /// A share of them, of 1.
+    Share(f64),
+    Count(u32),
+}
+
+impl FromStr for SampleSize {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<SampleSize, String> {
+        let wrong = || "write a number, as in 5, or a share, as in 1%".to_owned();
+        match text.strip_suffix('%') {
+            Some(share) => {
+                let share: f64 = share.parse().map_err(|_| wrong())?;
+                let is_share = share > 0.0 && share <= 100.0;
+                is_share
+                    .then_some(SampleSize::Share(share / 100.0))
+                    .ok_or_else(wrong)
+            }
+            None => text.parse().map(SampleSize::Count).map_err(|_| wrong()),
+        }
+    }
+}
+
+impl SampleSize {
+    /// How many of `all`, 1 at least.
+    pub(super) fn of(self, all: usize) -> usize {
+        let count = match self {
+            SampleSize::Share(share) => (share * all as f64).ceil() as usize,
+            SampleSize::Count(count) => count as usize,
+        };
+        count.clamp(1, all.max(1))
+    }
+}
+
 fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let parts = text.split_once(['x', 'X']);
     let numbers = parts.and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
@@ -345,6 +457,23 @@ mod tests {
     #[test]
     fn definitions_are_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn times_and_samples() {
+        assert_eq!(parse_time("1h 30min"), Ok(Duration::from_secs(5400)));
+        for wrong in ["2", "h", "-1h", "0s", ""] {
+            assert!(parse_time(wrong).is_err(), "{wrong}");
+        }
+        let of = |text: &str, all| text.parse::<SampleSize>().map(|size| size.of(all));
+        assert_eq!(of("1%", 240), Ok(3));
+        assert_eq!(of("100%", 240), Ok(240));
+        assert_eq!(of("5", 240), Ok(5));
+        assert_eq!(of("5", 3), Ok(3));
+        assert_eq!(of("0", 3), Ok(1));
+        for wrong in ["0%", "101%", "NaN%", "-1", "1.5", "%"] {
+            assert!(of(wrong, 9).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -1,23 +1,37 @@
 use super::Failure;
-use super::args::RenderArguments;
+use super::args::JobArguments;
 use super::light::{LightStore, PathLight};
 use super::loading::{Loaded, load};
+use crate::forecast::Stage;
 use crate::input::{GlobalIllumination, Settings};
-use crate::output::{FrameFormat, Plan, PlanCommand};
-use crate::render::RenderSettings;
+use crate::output::{FrameFolder, FrameFormat, Plan, PlanCommand};
+use crate::render::{PixelSampling, RenderSettings};
+use std::path::Path;
 
-/// Everything that decides the frames of a folder: inputs loaded, settings resolved, and what each frame is to be.
+/// Everything that decides the frames of a sequence: inputs loaded, settings resolved.
 pub(super) struct Job {
     pub(super) loaded: Loaded,
-    /// Of frames that gather light exactly.
+    /// The settings of frames that gather light exactly.
+    exact: RenderSettings,
+    /// The settings of frames: until the light is there that they look up, the exact ones.
     pub(super) settings: RenderSettings,
-    /// The light that frames look up; none if they gather it.
-    pub(super) light: Option<PathLight>,
-    pub(super) plan: Plan,
+    /// The light that frames look up, until it is there; none if they gather it.
+    light: Option<PathLight>,
+    /// The names of the paths that the light is of.
+    light_of: Option<Vec<String>>,
+    exposure: f32,
+    format: FrameFormat,
+    error_maps: bool,
 }
 
 impl Job {
-    pub(super) fn new(arguments: &RenderArguments) -> Result<Job, Failure> {
+    /// `out` is the folder of the frames, if there is one. With `force`, light that is there but cannot be used is
+    /// worked out anew.
+    pub(super) fn new(
+        arguments: &JobArguments,
+        out: Option<&Path>,
+        force: bool,
+    ) -> Result<Job, Failure> {
         let flags = arguments.settings.settings();
         flags.check().map_err(|error| error.of_flag())?;
         let loaded = load(&arguments.input, &arguments.threads)?;
@@ -28,43 +42,111 @@ impl Job {
             .or(loaded.scene.settings.clone());
         let given = flags.or(of_files);
         given.check_together()?;
-        let settings = given.resolve();
-        let light = light(arguments, &given, &loaded, &settings)?;
-        if arguments.aov.is_some() {
-            refuse_maps_without_noise(&settings, light.is_some())?;
+        let exact = given.resolve();
+        let store = match (&arguments.gi_cache, out) {
+            (Some(file), _) => LightStore::Shared(file.clone()),
+            (None, Some(out)) => LightStore::Own(out.join("light.cache")),
+            (None, None) => LightStore::Nowhere,
+        };
+        let light = light(store, &given, &loaded, &exact, force)?;
+        let error_maps = arguments.aov.is_some();
+        if error_maps {
+            refuse_maps_without_noise(&exact, light.is_some())?;
         }
-        let exposure = given.exposure.unwrap_or(0.0);
-        let plan = plan(arguments, exposure, &loaded, &settings, light.as_ref())?;
         Ok(Job {
+            settings: exact.clone(),
+            light_of: light.as_ref().map(PathLight::paths),
+            exposure: given.exposure.unwrap_or(0.0),
+            format: FrameFormat::from(arguments.format),
             loaded,
-            settings,
+            exact,
             light,
-            plan,
+            error_maps,
         })
+    }
+
+    /// How many frames the path has.
+    pub(super) fn frame_count(&self) -> u32 {
+        self.loaded.path.path.timeline().frame_count()
+    }
+
+    /// Sees to it that the light is there that frames look up.
+    pub(super) fn bake(&mut self, quiet: bool) -> Result<(), Failure> {
+        if let Some(light) = self.light.take() {
+            self.settings = light.bake(&self.loaded, &self.exact, quiet)?;
+        }
+        Ok(())
+    }
+
+    /// Frames of so many camera samples in each pixel.
+    pub(super) fn take_samples(&mut self, samples: u32) {
+        for settings in [&mut self.exact, &mut self.settings] {
+            settings.sampling = PixelSampling::Spread(samples);
+        }
+    }
+
+    /// What the frames are to be.
+    pub(super) fn plan(&self) -> Result<Plan, Failure> {
+        let path = &self.loaded.path.path;
+        let timeline = path.timeline();
+        let program = Plan::program();
+        // Of the path a frame knows its camera, and the light that is worked out for all of it.
+        let of_all = format!(
+            "{program} {:?} {:?} {} {:?}",
+            self.exact, self.light_of, self.exposure, self.format
+        );
+        let made_from = |frame| {
+            let mut hasher = blake3::Hasher::new();
+            hasher.update(self.loaded.scene_fingerprint.as_bytes());
+            hasher.update(of_all.as_bytes());
+            hasher.update(format!("{frame} {:?}", path.camera(frame)).as_bytes());
+            hasher.finalize().to_string()
+        };
+        let typed = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
+        Ok(Plan {
+            program,
+            command: PlanCommand {
+                folder: std::env::current_dir()?,
+                arguments: typed.collect(),
+            },
+            fps: timeline.fps,
+            frames: timeline.frame_count(),
+            width: self.exact.width,
+            height: self.exact.height,
+            format: self.format,
+            exposure: self.exposure,
+            error_maps: self.error_maps,
+            path_light: self.light_of.is_some(),
+            made_from: (0..timeline.frame_count()).map(made_from).collect(),
+        })
+    }
+
+    /// What a forecast renders frames of.
+    pub(super) fn stage<'a>(&'a self, folder: &'a FrameFolder) -> Stage<'a> {
+        Stage {
+            scene: &self.loaded.scene.scene,
+            path: &self.loaded.path.path,
+            pool: &self.loaded.pool,
+            folder,
+        }
     }
 }
 
 /// The light that frames look up; none if they gather it.
 fn light(
-    arguments: &RenderArguments,
+    store: LightStore,
     given: &Settings,
     loaded: &Loaded,
     exact: &RenderSettings,
+    force: bool,
 ) -> Result<Option<PathLight>, Failure> {
     let frames = loaded.path.path.timeline().frame_count();
-    match given.global_illumination(frames) {
-        GlobalIllumination::Path => {
-            let store = match &arguments.gi_cache {
-                Some(file) => LightStore::Shared(file.clone()),
-                None => LightStore::Own(arguments.out.join("light.cache")),
-            };
-            let light = PathLight::open(store, loaded, exact, arguments.force)?;
-            Ok(Some(light))
-        }
-        GlobalIllumination::Exact if arguments.gi_cache.is_some() => {
+    match (given.global_illumination(frames), &store) {
+        (GlobalIllumination::Path, _) => Ok(Some(PathLight::open(store, loaded, exact, force)?)),
+        (GlobalIllumination::Exact, LightStore::Shared(_)) => {
             Err("--gi-cache: add --gi path".into())
         }
-        GlobalIllumination::Exact => Ok(None),
+        (GlobalIllumination::Exact, _) => Ok(None),
     }
 }
 
@@ -80,44 +162,4 @@ fn refuse_maps_without_noise(settings: &RenderSettings, looks_up: bool) -> Resul
         true => Ok(()),
         false => Err(format!("--aov error: nothing is left to chance here; {advice}").into()),
     }
-}
-
-fn plan(
-    arguments: &RenderArguments,
-    exposure: f32,
-    loaded: &Loaded,
-    settings: &RenderSettings,
-    light: Option<&PathLight>,
-) -> Result<Plan, Failure> {
-    let path = &loaded.path.path;
-    let timeline = path.timeline();
-    let format = FrameFormat::from(arguments.format);
-    let program = Plan::program();
-    // Of the path a frame knows its camera, and the light that is worked out for all of it.
-    let light_of = light.map(PathLight::paths);
-    let of_all = format!("{program} {settings:?} {light_of:?} {exposure} {format:?}");
-    let made_from = |frame| {
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(loaded.scene_fingerprint.as_bytes());
-        hasher.update(of_all.as_bytes());
-        hasher.update(format!("{frame} {:?}", path.camera(frame)).as_bytes());
-        hasher.finalize().to_string()
-    };
-    let typed = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
-    Ok(Plan {
-        program,
-        command: PlanCommand {
-            folder: std::env::current_dir()?,
-            arguments: typed.collect(),
-        },
-        fps: timeline.fps,
-        frames: timeline.frame_count(),
-        width: settings.width,
-        height: settings.height,
-        format,
-        exposure,
-        error_maps: arguments.aov.is_some(),
-        path_light: light.is_some(),
-        made_from: (0..timeline.frame_count()).map(made_from).collect(),
-    })
 }

@@ -15,11 +15,13 @@ pub(super) enum LightStore {
     Shared(PathBuf),
     /// One of this path alone: what it holds of others does not count, so that the light is that of a first run.
     Own(PathBuf),
+    /// None.
+    Nowhere,
 }
 
 /// The light of a path, as far as a file holds it already.
 pub(super) struct PathLight {
-    file: LightFile,
+    file: Option<LightFile>,
     found: Option<LightCache>,
     /// What the path is called there.
     name: String,
@@ -54,14 +56,16 @@ impl PathLight {
             LightStore::Shared(file) => {
                 let file = LightFile::new(&file, fingerprint.finalize());
                 let found = file.read(force)?;
-                (file, found)
+                (Some(file), found)
             }
             LightStore::Own(file) => {
                 let file = LightFile::new(&file, fingerprint.finalize());
                 // What is of no use is written over.
                 let found = file.read(true).ok().flatten();
-                (file, found.filter(|found| *found.paths() == [name.clone()]))
+                let of_path = found.filter(|found| *found.paths() == [name.clone()]);
+                (Some(file), of_path)
             }
+            LightStore::Nowhere => (None, None),
         };
         Ok(PathLight { file, found, name })
     }
@@ -88,8 +92,9 @@ impl PathLight {
     ) -> Result<RenderSettings, Failure> {
         let has_all = |cache: &LightCache| cache.errors(&self.name, exact.white).is_some();
         let is_complete = self.found.as_ref().is_some_and(has_all);
-        if !is_complete {
-            self.file.try_out()?;
+        let file = self.file.filter(|_| !is_complete);
+        if let Some(file) = &file {
+            file.try_out()?;
         }
         let start = Instant::now();
         let progress = ShareProgress::new(quiet);
@@ -98,8 +103,8 @@ impl PathLight {
         let work = || bake(scene, path, &self.name, exact, self.found, &listener);
         let baked = loaded.pool.install(work);
         progress.finish();
-        if !is_complete {
-            self.file.write(&baked.cache)?;
+        if let Some(file) = file {
+            file.write(&baked.cache)?;
         }
         if !quiet {
             let what = match is_complete {

@@ -2,6 +2,7 @@
 #![expect(clippy::print_stderr, reason = "talking to the user is its job")]
 
 mod args;
+mod audit;
 mod bake;
 mod check;
 mod frames;
@@ -11,6 +12,7 @@ mod light;
 mod loading;
 mod missing;
 mod progress;
+mod quote;
 mod render;
 mod report;
 mod selftest;
@@ -49,6 +51,8 @@ pub fn run() -> ExitCode {
     };
     let result = match Arguments::parse().command {
         Command::Render(render) => render::run(&render, interrupt),
+        Command::Quote(quote) => quote::run(&quote),
+        Command::Audit(audit) => audit::run(&audit, interrupt),
         Command::Verify(verify) => verify::run(&verify),
         Command::Missing(missing) => missing::run(&missing),
         Command::Bake(bake) => bake::run(&bake),

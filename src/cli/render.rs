@@ -3,6 +3,7 @@ use super::frames::coarse_to_fine;
 use super::interrupt::Interrupt;
 use super::job::Job;
 use super::progress::{SequenceProgress, Steps, clock, rays_per_second};
+use super::quote::{keep_within, score};
 use super::verify::prove;
 use super::{Failure, Status, warn};
 use crate::output::{Fault, FrameFolder, Manifest};
@@ -11,33 +12,32 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<Status, Failure> {
-    let Job {
-        loaded,
-        mut settings,
-        light,
-        plan,
-    } = Job::new(arguments)?;
-    let count = plan.frames;
+    let mut job = Job::new(&arguments.job, Some(&arguments.out), arguments.force)?;
+    let count = job.frame_count();
     let frames = match &arguments.frames {
         None => (0..count).collect(),
         Some(ranges) => ranges.of_path(count)?,
     };
-    let folder = FrameFolder::new(&arguments.out, plan, arguments.force);
+    if let Some(budget) = arguments.budget {
+        keep_within(&mut job, budget, &arguments.out, arguments.quiet)?;
+    }
+    let folder = FrameFolder::new(&arguments.out, job.plan()?, arguments.force);
     if arguments.prepare == Some(PrepareArgument::Plan) {
         folder.prepare()?;
         return Ok(Status::Done);
     }
     let mut missing = match arguments.force {
         true => frames.clone(),
-        false => loaded
+        false => job
+            .loaded
             .pool
             .install(|| missing(&folder, &frames, arguments.quiet)),
     };
     if !missing.is_empty() || !folder.has_its_plan() {
         folder.prepare()?;
     }
-    if let Some(light) = light.filter(|_| !missing.is_empty()) {
-        settings = light.bake(&loaded, &settings, arguments.quiet)?;
+    if !missing.is_empty() {
+        job.bake(arguments.quiet)?;
     }
     if arguments.prepare == Some(PrepareArgument::Light) {
         return Ok(Status::Done);
@@ -46,6 +46,9 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         coarse_to_fine(&mut missing, count);
     }
 
+    let Job {
+        loaded, settings, ..
+    } = job;
     // How many samples a frame will need until it is good enough nobody knows: it counts as a whole.
     let steps = match settings.target_error {
         Some(_) => Steps::Frames,
@@ -71,6 +74,11 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     if !arguments.quiet {
         let there = frames.len() - missing.len();
         summarise(&outcome, elapsed, there as u32, &folder);
+        let threads = loaded.pool.current_num_threads();
+        if let Some(score) = score(&folder, &missing, &outcome, threads, elapsed) {
+            // As the summary.
+            let _ = writeln!(std::io::stdout(), "{score}");
+        }
     }
     warn(&shortcomings(&outcome, settings.target_error));
     let is_still_its_own = folder.has_its_plan();

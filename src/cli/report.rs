@@ -101,7 +101,7 @@ mod tests {
             else {
                 panic!("{flags}: refused");
             };
-            let [mut set, mut measured] = [arguments.settings.settings(), technique.settings];
+            let [mut set, mut measured] = [arguments.job.settings.settings(), technique.settings];
             for settings in [&mut set, &mut measured] {
                 settings.gi = Some(settings.global_illumination(9));
             }

@@ -61,6 +61,18 @@ impl Watch for Unwatched {
     }
 }
 
+/// The fewest and the most bytes that a frame takes while it is rendered and encoded.
+pub fn frame_memory(settings: &RenderSettings) -> [u64; 2] {
+    // Of each point: its value, the number of its passes, and both once more in its tile with where it is; of two
+    // halves also what is developed of them. The allocator gives back less of what it has of small frames.
+    let bytes = if settings.has_noise() {
+        [80, 126]
+    } else {
+        [36, 62]
+    };
+    bytes.map(|bytes| bytes * Grid::of(settings).len() as u64)
+}
+
 /// Renders frame number `frame` through `camera` on the threads of the current pool.
 pub fn render_frame(
     scene: &Scene,

@@ -17,7 +17,7 @@ mod sequence;
 mod settings;
 
 pub use flicker::Flicker;
-pub use frame::{RenderedFrame, Watch, render_frame, tile_count};
+pub use frame::{RenderedFrame, Watch, frame_memory, render_frame, tile_count};
 pub use light_errors::light_errors;
 pub use noise::ErrorEstimate;
 pub use pixels::render_pixels;

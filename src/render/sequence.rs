@@ -53,6 +53,18 @@ pub struct EncodedFrame {
     pub error_map: Option<Vec<u8>>,
 }
 
+impl EncodedFrame {
+    /// How many bytes there are to keep.
+    pub fn len(&self) -> usize {
+        self.picture.len() + self.error_map.as_ref().map_or(0, Vec::len)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
 /// Is told how the work goes on, from several threads, and may stop it.
 pub trait Observer: Watch {
     /// A frame is rendered and kept.
@@ -74,8 +86,10 @@ pub struct Outcome {
     pub failures: Vec<(u32, SinkError)>,
     /// Whether the work was stopped while frames were left to do; those in flight were given up.
     pub stopped: bool,
-    /// Rays traced in all frames.
+    /// Rays traced in all frames that were kept.
     pub rays: u64,
+    /// Bytes of their files.
+    pub bytes: u64,
     /// Samples that were replaced by black because they were not finite.
     pub non_finite_samples: u64,
     /// The errors of the frames that were kept and that chance had a part in, by number.
@@ -140,6 +154,7 @@ enum Fate {
 /// What a frame adds to the outcome.
 struct Counted {
     rays: u64,
+    bytes: u64,
     non_finite_samples: u64,
     error: Option<ErrorEstimate>,
 }
@@ -158,6 +173,7 @@ impl<Sink: FrameSink> Run<'_, Sink> {
                 Ok(Fate::Kept(counted)) => {
                     outcome.kept += 1;
                     outcome.rays += counted.rays;
+                    outcome.bytes += counted.bytes;
                     outcome.non_finite_samples += counted.non_finite_samples;
                     outcome
                         .errors
@@ -194,12 +210,14 @@ impl<Sink: FrameSink> Run<'_, Sink> {
         };
         let work = || self.pool.install(|| self.encoded(frame));
         // Nothing of a frame outlives its panic.
-        let Some((encoded, counted)) = catch_unwind(AssertUnwindSafe(work))
+        let Some((encoded, mut counted)) = catch_unwind(AssertUnwindSafe(work))
             .map_err(|panic| format!("the renderer panicked: {}", message(&*panic)))?
         else {
             return Ok(Fate::Stopped);
         };
-        self.sink.keep(frame, place, &encoded?)?;
+        let encoded = encoded?;
+        counted.bytes = encoded.len() as u64;
+        self.sink.keep(frame, place, &encoded)?;
         Ok(Fate::Kept(counted))
     }
 
@@ -210,6 +228,7 @@ impl<Sink: FrameSink> Run<'_, Sink> {
         let rendered = render_watched(self.scene, &camera, self.settings, frame, watch)?;
         let counted = Counted {
             rays: rendered.rays,
+            bytes: 0,
             non_finite_samples: rendered.non_finite_samples,
             error: rendered.error,
         };

@@ -1,0 +1,128 @@
+use super::args::{Arguments, AuditArguments, Command, RenderArguments};
+use super::interrupt::Interrupt;
+use super::job::Job;
+use super::progress::{SequenceProgress, Steps};
+use super::quote::keep_within;
+use super::verify::prove;
+use super::{Failure, Status};
+use crate::output::FrameFolder;
+use crate::render::{
+    Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError, render_sequence, tile_count,
+};
+use clap::Parser;
+use std::fs;
+use std::io::Write;
+use std::path::absolute;
+
+pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<Status, Failure> {
+    let out = absolute(&arguments.folder)?;
+    let folder = FrameFolder::open(&out)?;
+    let mut render = command_of(&folder)?;
+    // Whoever rendered them may have had more.
+    render.job.threads.threads = arguments.threads.threads;
+    let mut job = Job::new(&render.job, Some(&out), false)?;
+    if let Some(budget) = render.budget {
+        keep_within(&mut job, budget, &out, arguments.quiet)?;
+    }
+    if !FrameFolder::new(&out, job.plan()?, false).has_its_plan() {
+        let out = out.display();
+        return Err(format!(
+            "{out}: scene, path or what they name have changed since; render the sequence again"
+        )
+        .into());
+    }
+    let all: Vec<u32> = (0..job.frame_count()).collect();
+    let proofs = prove(&folder, &all, arguments.quiet).into_iter();
+    let proven = proofs.filter_map(|(frame, proof)| proof.is_ok().then_some(frame));
+    let sample = chosen(proven.collect(), arguments);
+    if sample.is_empty() {
+        return Err(format!("{}: no frame is proven", out.display()).into());
+    }
+    job.bake(arguments.quiet)?;
+
+    let steps = match job.settings.target_error {
+        Some(_) => Steps::Frames,
+        None => Steps::Tiles(tile_count(&job.settings)),
+    };
+    interrupt.wait_to_be_asked();
+    let shown = arguments.progress.shown(arguments.quiet);
+    let progress = SequenceProgress::new(sample.len() as u64, steps, shown, interrupt);
+    let outcome = render_sequence(
+        &job.loaded.scene.scene,
+        &job.loaded.path.path,
+        &job.settings,
+        &sample,
+        &job.loaded.pool,
+        &Comparison(&folder),
+        &progress,
+    );
+    progress.finish();
+    if !arguments.quiet {
+        // Nobody has to read it: the exit status says what matters.
+        let _ = writeln!(
+            std::io::stdout(),
+            "{} of {} frames rendered again are the same: {}",
+            outcome.kept,
+            sample.len(),
+            out.display()
+        );
+    }
+    Ok(if outcome.stopped {
+        Status::Interrupted
+    } else if outcome.failures.is_empty() {
+        Status::Done
+    } else {
+        Status::SomeFailed
+    })
+}
+
+/// The command that a folder's frames were rendered by; names in it are relative to the folder
+/// that is the current one from now on.
+fn command_of(folder: &FrameFolder) -> Result<RenderArguments, Failure> {
+    let command = &folder.plan().command;
+    let there = command.folder.display();
+    std::env::set_current_dir(&command.folder)
+        .map_err(|error| format!("{there}, where the frames were rendered: {error}"))?;
+    match Arguments::try_parse_from(&command.arguments)?.command {
+        Command::Render(render) => Ok(render),
+        _ => Err(format!("{}: not rendered by render", folder.path().display()).into()),
+    }
+}
+
+/// Some of the frames, by the hashes of their numbers and the seed, in their order.
+fn chosen(mut frames: Vec<u32>, arguments: &AuditArguments) -> Vec<u32> {
+    let count = arguments.sample.of(frames.len());
+    let seed = arguments.seed;
+    frames
+        .sort_by_cached_key(|frame| *blake3::hash(format!("{seed} {frame}").as_bytes()).as_bytes());
+    frames.truncate(count);
+    frames.sort_unstable();
+    frames
+}
+
+/// Compares frames with those of a folder in place of keeping them.
+struct Comparison<'a>(&'a FrameFolder);
+
+impl FrameSink for Comparison<'_> {
+    type Place = ();
+
+    fn claim(&self, _: u32, _: bool) -> Result<Claim<()>, SinkError> {
+        Ok(Claim::Granted(()))
+    }
+
+    fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
+        self.0.encode(frame, rendered)
+    }
+
+    fn keep(&self, frame: u32, (): (), encoded: &EncodedFrame) -> Result<(), SinkError> {
+        let file = self.0.file_of(frame);
+        if fs::read(&file)? == encoded.picture {
+            return Ok(());
+        }
+        let file = file.display();
+        Err(
+            format!("{file} is not what this machine renders: check both by flythrough selftest")
+                .into(),
+        )
+    }
+}

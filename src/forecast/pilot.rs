@@ -1,0 +1,229 @@
+use crate::camera::CameraPath;
+use crate::output::FrameFolder;
+use crate::render::{
+    Claim, EncodedFrame, FrameSink, Observer, RenderSettings, RenderedFrame, SinkError, Watch,
+    render_sequence,
+};
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::sync::Mutex;
+use std::time::Instant;
+
+/// So many frames, from the middles of as many parts of the path.
+const FRAMES: u32 = 12;
+
+/// The pilot may take this share of the time of the sequence,
+const SHARE: f64 = 0.02;
+
+/// or so many seconds.
+const SECONDS: f64 = 4.0;
+
+/// With every halving of a frame's sides, neighbouring rays have less in common: each takes longer by up to twice
+/// this share.
+const COHERENCE: f64 = 0.06;
+
+/// No side of a frame is made shorter than this, in pixels.
+const LEAST_SIDE: u32 = 64;
+
+/// What frames are rendered of, and how they would be kept.
+#[derive(Clone, Copy, Debug)]
+pub struct Stage<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The camera path.
+    pub path: &'a CameraPath,
+    /// Threads.
+    pub pool: &'a rayon::ThreadPool,
+    /// Encodes the frames.
+    pub folder: &'a FrameFolder,
+}
+
+/// A few frames of a sequence, rendered for what they cost: as they will be, or smaller.
+#[derive(Debug)]
+pub struct Pilot {
+    /// What they would cost at full size, by number.
+    pub frames: Vec<PilotFrame>,
+    /// How far off, relatively, all of the seconds may be because the frames were smaller.
+    pub doubt_of_seconds: f64,
+    /// The same of the bytes.
+    pub doubt_of_bytes: f64,
+}
+
+/// What a frame costs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Frame")]
+pub struct PilotFrame {
+    /// Its number.
+    pub frame: u32,
+    /// Seconds of the whole program, while others are rendered beside it.
+    pub seconds: f64,
+    /// Bytes of its files.
+    pub bytes: f64,
+}
+
+impl Pilot {
+    /// Renders frames at a size at which they take no more than they are worth. Where that is smaller than the
+    /// sequence's, their bytes go on growing as they did from half of that size.
+    pub fn run(stage: Stage, settings: &RenderSettings) -> Pilot {
+        let count = stage.path.timeline().frame_count();
+        let chosen = chosen(count);
+        let all = f64::from(count) / chosen.len() as f64;
+        let sum = |frames: &[PilotFrame], value: fn(&PilotFrame) -> f64| -> f64 {
+            frames.iter().map(value).sum()
+        };
+        let mut halvings = most_halvings(settings);
+        let measure = |halvings| stage.measure(&smaller(settings, halvings), &chosen);
+        // What is used for the first time takes longer.
+        measure(halvings);
+        let mut frames = measure(halvings);
+        let mut growth = 1.0;
+        while halvings > 0 {
+            let seconds = sum(&frames, |frame| frame.seconds);
+            let of_sequence = all * seconds * pixels_more(settings, halvings);
+            if 4.0 * seconds > SECONDS.max(SHARE * of_sequence) {
+                break;
+            }
+            let step = pixels_more(settings, halvings) / pixels_more(settings, halvings - 1);
+            let larger = measure(halvings - 1);
+            let [before, now] = [&frames, &larger].map(|frames| sum(frames, |frame| frame.bytes));
+            growth = (now / before).ln() / step.ln();
+            frames = larger;
+            halvings -= 1;
+        }
+        let pixels = pixels_more(settings, halvings);
+        let doubt_of_seconds = COHERENCE * f64::from(halvings);
+        let more_seconds = pixels * (1.0 - doubt_of_seconds);
+        let more_bytes = pixels.powf(growth);
+        for frame in &mut frames {
+            frame.seconds *= more_seconds;
+            frame.bytes *= more_bytes;
+        }
+        Pilot {
+            frames,
+            doubt_of_seconds,
+            doubt_of_bytes: 0.5 * (more_bytes / pixels).ln().abs() + 0.05 * f64::from(halvings),
+        }
+    }
+}
+
+/// The middles of equal parts of a path of `count` frames.
+fn chosen(count: u32) -> Vec<u32> {
+    let parts = FRAMES.min(count);
+    let middle = |part: u32| u64::from(2 * part + 1) * u64::from(count) / u64::from(2 * parts);
+    (0..parts).map(|part| middle(part) as u32).collect()
+}
+
+/// The settings of frames with so often halved sides.
+fn smaller(settings: &RenderSettings, halvings: u32) -> RenderSettings {
+    let side = |side: u32| (side >> halvings).max(1);
+    RenderSettings {
+        width: side(settings.width),
+        height: side(settings.height),
+        ..settings.clone()
+    }
+}
+
+fn most_halvings(settings: &RenderSettings) -> u32 {
+    let side = settings.width.min(settings.height);
+    (side / LEAST_SIDE).checked_ilog2().unwrap_or(0)
+}
+
+/// How many times as many pixels the full size has.
+fn pixels_more(settings: &RenderSettings, halvings: u32) -> f64 {
+    let pixels = |settings: &RenderSettings| f64::from(settings.width) * f64::from(settings.height);
+    pixels(settings) / pixels(&smaller(settings, halvings))
+}
+
+impl Stage<'_> {
+    /// Renders frames as a sequence. Each has its share of the seconds by the rays that it took.
+    fn measure(&self, settings: &RenderSettings, frames: &[u32]) -> Vec<PilotFrame> {
+        let scale = Scale {
+            folder: self.folder,
+            weighed: Mutex::default(),
+        };
+        let start = Instant::now();
+        render_sequence(
+            self.scene, self.path, settings, frames, self.pool, &scale, &Nobody,
+        );
+        let seconds = start.elapsed().as_secs_f64();
+        let mut weighed = scale.weighed.into_inner().expect("no holder panics");
+        weighed.sort_unstable_by_key(|(frame, ..)| *frame);
+        let rays: u64 = weighed.iter().map(|(_, rays, _)| rays).sum();
+        let of = |(frame, of_frame, bytes): (u32, u64, usize)| PilotFrame {
+            frame,
+            seconds: seconds * of_frame as f64 / rays.max(1) as f64,
+            bytes: bytes as f64,
+        };
+        weighed.into_iter().map(of).collect()
+    }
+}
+
+/// Weighs frames in place of keeping them: number, rays and bytes.
+struct Scale<'a> {
+    folder: &'a FrameFolder,
+    weighed: Mutex<Vec<(u32, u64, usize)>>,
+}
+
+impl FrameSink for Scale<'_> {
+    type Place = ();
+
+    fn claim(&self, _: u32, _: bool) -> Result<Claim<()>, SinkError> {
+        Ok(Claim::Granted(()))
+    }
+
+    fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
+        let rays = rendered.rays;
+        let encoded = self.folder.encode(frame, rendered)?;
+        let weight = (frame, rays, encoded.len());
+        self.weighed.lock().expect("no holder panics").push(weight);
+        Ok(encoded)
+    }
+
+    fn keep(&self, _: u32, (): (), _: &EncodedFrame) -> Result<(), SinkError> {
+        Ok(())
+    }
+}
+
+/// Hears nothing and stops nothing.
+struct Nobody;
+
+impl Watch for Nobody {
+    fn tile_done(&self, _: u64) {}
+
+    fn is_stopped(&self) -> bool {
+        false
+    }
+}
+
+impl Observer for Nobody {
+    fn frame_kept(&self, _: u32) {}
+    fn frame_skipped(&self, _: u32) {}
+    fn frame_failed(&self, _: u32, _: &SinkError) {}
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrator::Integrator;
+
+    #[test]
+    fn frames_are_spread_over_the_path() {
+        assert_eq!(chosen(1), [0]);
+        assert_eq!(chosen(3), [0, 1, 2]);
+        assert_eq!(chosen(240)[..3], [10, 30, 50]);
+        assert_eq!(chosen(240)[11], 230);
+    }
+
+    #[test]
+    fn sizes_are_halved_down_to_the_least() {
+        let settings = |width, height| {
+            RenderSettings::new(Integrator::RayTracing { bounces: 0 }, width, height)
+        };
+        let full = settings(1280, 720);
+        assert_eq!(most_halvings(&full), 3);
+        let small = smaller(&full, 3);
+        assert_eq!((small.width, small.height), (160, 90));
+        assert_eq!(pixels_more(&full, 3), 64.0);
+        assert_eq!(most_halvings(&settings(20, 30)), 0);
+    }
+}

@@ -206,6 +206,14 @@ fn an_edit_makes_the_right_frames_stale() {
     ];
     for (what, edit, stale) in edits {
         edit(&project);
+        let (status, said) = project.verify();
+        let number = stale.iter().filter(|frame| **frame < 9).count();
+        assert_eq!(
+            status,
+            Some(if stale.is_empty() { 0 } else { 3 }),
+            "{what}: {said}"
+        );
+        assert!(said.matches(": stale").count() >= number, "{what}: {said}");
         assert_eq!(project.render(&[]), stale, "{what}");
         assert_eq!(project.verify().0, Some(0), "{what}");
     }
@@ -323,6 +331,15 @@ fn a_prepared_folder_knows_what_it_lacks() {
     assert_eq!(project.missing(&[]), "");
     project.picture(7);
     assert_eq!(project.missing(&[]), "");
+    fs::remove_file(project.folder.path().join("s.ron")).unwrap();
+    let output = flythrough(&["verify", project.out().to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(
+        stderr(&output).contains("changes since are not seen"),
+        "{}",
+        stderr(&output)
+    );
+    project.write("s.ron", SCENE.as_bytes());
     project.render(&["--prepare", "plan"]);
     assert_eq!(project.missing(&["--format", "openjd"]), "0-8\n");
 }

@@ -43,7 +43,7 @@ pub(super) struct InputArguments {
     pub(super) path: PathBuf,
 }
 
-#[derive(Debug, Args)]
+#[derive(Clone, Copy, Debug, Args)]
 pub(super) struct ThreadsArgument {
     /// Threads to use [default: all cores that the process may use]
     #[arg(short, long, value_name = "N", env = "SLURM_CPUS_PER_TASK")]
@@ -168,14 +168,17 @@ pub(super) struct AuditArguments {
 
 /// Prove that every frame of a sequence is there, whole, unchanged and made from what it should be
 ///
-/// Prints a line for each frame that is not, and why. Whoever changed the scene since finds out by rendering
-/// again: that alone knows what the frames should be made from now.
+/// Prints a line for each frame that is not, and why. What the frames were made from is loaded as it is now: if it
+/// was changed since, frames are stale. If it cannot be loaded, that is said in a warning, and frames are held
+/// against what was written down when they were rendered.
 ///
 /// Exit status: 0 all frames are proven, 2 not a folder of frames, 3 some are not: render again.
 #[derive(Debug, Args)]
 pub(super) struct VerifyArguments {
     /// Folder of the frames
     pub(super) folder: PathBuf,
+    #[command(flatten)]
+    pub(super) threads: ThreadsArgument,
     /// No progress bar and no summary
     #[arg(short, long)]
     pub(super) quiet: bool,
@@ -183,7 +186,8 @@ pub(super) struct VerifyArguments {
 
 /// List the frames of a sequence that are not proven, to be rendered again
 ///
-/// Prints nothing if all are.
+/// Prints nothing if all are. What the frames should be stands in the folder, as the last render has left it
+/// there; render --prepare plan writes it anew after a change.
 ///
 /// Exit status: 0 they are listed, 2 not a folder of frames.
 #[derive(Debug, Args)]

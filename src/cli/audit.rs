@@ -1,15 +1,13 @@
-use super::args::{Arguments, AuditArguments, Command, RenderArguments};
+use super::args::AuditArguments;
 use super::interrupt::Interrupt;
-use super::job::Job;
 use super::progress::{SequenceProgress, Steps};
-use super::quote::keep_within;
+use super::recorded::job_of;
 use super::verify::prove;
 use super::{Failure, Status};
 use crate::output::FrameFolder;
 use crate::render::{
     Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError, render_sequence, tile_count,
 };
-use clap::Parser;
 use std::fs;
 use std::io::Write;
 use std::path::absolute;
@@ -17,13 +15,7 @@ use std::path::absolute;
 pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<Status, Failure> {
     let out = absolute(&arguments.folder)?;
     let folder = FrameFolder::open(&out)?;
-    let mut render = command_of(&folder)?;
-    // Whoever rendered them may have had more.
-    render.job.threads.threads = arguments.threads.threads;
-    let mut job = Job::new(&render.job, Some(&out), false)?;
-    if let Some(budget) = render.budget {
-        keep_within(&mut job, budget, &out, arguments.quiet)?;
-    }
+    let mut job = job_of(&folder, arguments.threads)?;
     if !FrameFolder::new(&out, job.plan()?, false).has_its_plan() {
         let out = out.display();
         return Err(format!(
@@ -74,19 +66,6 @@ pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<St
     } else {
         Status::SomeFailed
     })
-}
-
-/// The command that a folder's frames were rendered by; names in it are relative to the folder
-/// that is the current one from now on.
-fn command_of(folder: &FrameFolder) -> Result<RenderArguments, Failure> {
-    let command = &folder.plan().command;
-    let there = command.folder.display();
-    std::env::set_current_dir(&command.folder)
-        .map_err(|error| format!("{there}, where the frames were rendered: {error}"))?;
-    match Arguments::try_parse_from(&command.arguments)?.command {
-        Command::Render(render) => Ok(render),
-        _ => Err(format!("{}: not rendered by render", folder.path().display()).into()),
-    }
 }
 
 /// Some of the frames, by the hashes of their numbers and the seed, in their order.

@@ -13,6 +13,7 @@ mod loading;
 mod missing;
 mod progress;
 mod quote;
+mod recorded;
 mod render;
 mod report;
 mod selftest;

@@ -118,33 +118,40 @@ impl Kept {
     }
 }
 
-/// Gives a job the samples that were chosen for a budget when its folder was first rendered to, or chooses them now.
-pub(super) fn keep_within(
-    job: &mut Job,
-    budget: Duration,
-    out: &Path,
-    quiet: bool,
-) -> Result<(), Failure> {
+/// Gives a job the samples that were chosen for a budget when its folder was first rendered to. False if none were.
+pub(super) fn choose_again(job: &mut Job, budget: Duration, out: &Path) -> Result<bool, Failure> {
     job.take_samples(1);
     let of_one_sample = hash(&job.plan()?);
     let choice = Kept::read(out).and_then(|kept| kept.choice);
     let is_it = |choice: &Choice| {
         choice.budget == budget.as_secs_f64() && choice.of_one_sample == of_one_sample
     };
-    match choice.filter(is_it) {
-        Some(choice) => job.take_samples(choice.samples),
-        None => {
-            let kept = Kept::new(job, Some(budget), Some(out), quiet)?;
-            if let (Some(choice), false) = (kept.choice, quiet) {
-                // Nobody has to read it.
-                let _ = writeln!(
-                    io::stdout(),
-                    "{} samples of each pixel fit into {}",
-                    choice.samples,
-                    clock(budget)
-                );
-            }
-        }
+    let Some(choice) = choice.filter(is_it) else {
+        return Ok(false);
+    };
+    job.take_samples(choice.samples);
+    Ok(true)
+}
+
+/// Gives a job the samples that a budget allows: those that were chosen before, or else as many as it allows now.
+pub(super) fn keep_within(
+    job: &mut Job,
+    budget: Duration,
+    out: &Path,
+    quiet: bool,
+) -> Result<(), Failure> {
+    if choose_again(job, budget, out)? {
+        return Ok(());
+    }
+    let kept = Kept::new(job, Some(budget), Some(out), quiet)?;
+    if let (Some(choice), false) = (kept.choice, quiet) {
+        let budget = clock(budget);
+        // Nobody has to read it.
+        let _ = writeln!(
+            io::stdout(),
+            "{} samples of each pixel fit into {budget}",
+            choice.samples
+        );
     }
     Ok(())
 }

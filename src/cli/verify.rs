@@ -1,13 +1,25 @@
 use super::args::VerifyArguments;
 use super::progress::ShareProgress;
-use super::{Failure, Status};
+use super::recorded::job_of;
+use super::{Failure, Status, warn};
 use crate::output::{Fault, FrameFolder, FrameRecord};
 use rayon::prelude::*;
 use std::io::Write;
+use std::path::absolute;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
-    let folder = FrameFolder::open(&arguments.folder)?;
+    let out = absolute(&arguments.folder)?;
+    let written_down = FrameFolder::open(&out)?;
+    let folder = match job_of(&written_down, arguments.threads).and_then(|job| job.plan()) {
+        Ok(plan) => FrameFolder::new(&out, plan, false),
+        Err(error) => {
+            warn(&[format!(
+                "what the frames were made from cannot be loaded, so changes since are not seen: {error}"
+            )]);
+            written_down
+        }
+    };
     let count = folder.plan().frames;
     let frames: Vec<u32> = (0..count).collect();
     let mut bad = 0;

@@ -35,7 +35,8 @@ pub enum FolderError {
     },
     /// It does not say what its frames are to be.
     #[error(
-        "{file}: {message}; render the sequence again: what is there of it is kept",
+        "{file}: {message}: not a folder of frames, or it has lost what they are to be; render the \
+         sequence (again): frames that are there are kept",
         file = .file.display()
     )]
     NoPlan {

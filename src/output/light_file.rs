@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// What such a file begins with: its format and the number of that.
-const MAGIC: &[u8] = b"flythrough light 1\n";
+const MAGIC: &[u8] = b"flythrough light 2\n";
 
 /// Bytes of a hash.
 const HASH: usize = blake3::OUT_LEN;

@@ -1,0 +1,30 @@
+//! The command that a folder says its frames were rendered by, once more.
+
+use super::Failure;
+use super::args::{Arguments, Command, ThreadsArgument};
+use super::job::Job;
+use super::quote::choose_again;
+use crate::output::FrameFolder;
+use clap::Parser;
+
+/// Loads what the frames of a folder were made from, as it is now. Names in the command are relative to where it
+/// was typed: that is the current folder from now on.
+pub(super) fn job_of(folder: &FrameFolder, threads: ThreadsArgument) -> Result<Job, Failure> {
+    let command = &folder.plan().command;
+    let there = command.folder.display();
+    std::env::set_current_dir(&command.folder)
+        .map_err(|error| format!("{there}, where the frames were rendered: {error}"))?;
+    let Command::Render(mut render) = Arguments::try_parse_from(&command.arguments)?.command else {
+        return Err(format!("{}: not rendered by render", folder.path().display()).into());
+    };
+    // Whoever rendered them may have had more threads.
+    render.job.threads = threads;
+    let mut job = Job::new(&render.job, Some(folder.path()), false)?;
+    if let Some(budget) = render.budget
+        && !choose_again(&mut job, budget, folder.path())?
+    {
+        let folder = folder.path().display();
+        return Err(format!("{folder}/quote.ron, where the samples stand, is lost").into());
+    }
+    Ok(job)
+}

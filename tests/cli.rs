@@ -122,6 +122,42 @@ fn one_thread_and_three_write_the_same_files() {
     assert_eq!(frames(one.path()), frames(three.path()));
 }
 
+/// As many as the scheduler gives, unless the user says so.
+#[test]
+fn threads_are_those_that_slurm_gives() {
+    let threads = |given: &str, more: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_flythrough"))
+            .current_dir(root())
+            .args([
+                "quote",
+                "scenes/test.ron",
+                "paths/test.ron",
+                "--size",
+                "8x8",
+            ])
+            .args(more)
+            .env("SLURM_CPUS_PER_TASK", given)
+            .output()
+            .unwrap();
+        (
+            output.status.code(),
+            String::from_utf8(output.stdout).unwrap(),
+        )
+    };
+    for (given, more, expected) in [
+        ("1", &[][..], "on 1 threads"),
+        ("3", &[], "on 3 threads"),
+        ("3", &["-t", "2"], "on 2 threads"),
+    ] {
+        let (status, said) = threads(given, more);
+        assert!(
+            status == Some(0) && said.contains(expected),
+            "{given} {more:?}: {said}"
+        );
+    }
+    assert_eq!(threads("many", &[]).0, Some(2));
+}
+
 #[test]
 fn the_path_wins_over_the_scene_and_a_flag_over_both() {
     let folder = tempfile::tempdir().unwrap();

@@ -269,6 +269,7 @@ fn a_folder_that_vanishes_stays_away_and_the_frames_are_named() {
         said.contains("frame 399 failed") && said.contains("frame_00399.png: cannot be written"),
         "{said}"
     );
+    assert!(!said.contains("use two folders"), "{said}");
     assert!(!batch.out().exists());
     assert_eq!(faults(&gone), [""; 0]);
     assert!(frames(&gone).len() >= 2);

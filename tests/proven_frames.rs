@@ -6,6 +6,7 @@ mod support;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::process::Output;
 use support::*;
 
 /// A scene with a model and a texture, and a path of nine frames, in a folder of their own.
@@ -61,17 +62,21 @@ impl Project {
         self.folder.path().join("out")
     }
 
+    /// Runs a command on the scene, the path and the folder of the frames.
+    fn run(&self, command: &str, more: &[&str]) -> Output {
+        let name = |name: &str| self.folder.path().join(name).to_str().unwrap().to_owned();
+        let (scene, path, out) = (name("s.ron"), name("p.ron"), name("out"));
+        flythrough(&[&[command, &scene, &path, "-o", &out], more].concat())
+    }
+
     /// Renders, and says which of the frames' files were written.
     fn render(&self, more: &[&str]) -> Vec<u32> {
         let before = changes(&self.out());
-        let name = |name: &str| self.folder.path().join(name).to_str().unwrap().to_owned();
-        let (scene, path, out) = (name("s.ron"), name("p.ron"), name("out"));
-        let start = ["render", &scene, &path, "-o", &out];
         let size = match more.contains(&"--size") {
             true => &[][..],
             false => &["--size", "16x12"],
         };
-        let output = flythrough(&[&start[..], size, more].concat());
+        let output = self.run("render", &[size, more].concat());
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         let after = changes(&self.out());
         let written = after
@@ -440,19 +445,8 @@ fn odd_frame(project: &Project, frame: u32) {
 #[test]
 fn a_quote_is_scored() {
     let project = Project::new();
-    let name = |name: &str| {
-        project
-            .folder
-            .path()
-            .join(name)
-            .to_str()
-            .unwrap()
-            .to_owned()
-    };
-    let (scene, path, out) = (name("s.ron"), name("p.ron"), name("out"));
     let of = |command: &str, more: &[&str]| {
-        let start = [command, &scene, &path, "-o", &out, "--size", "160x120"];
-        let output = flythrough(&[&start[..], more].concat());
+        let output = project.run(command, &[&["--size", "160x120"], more].concat());
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
         String::from_utf8(output.stdout).unwrap()
     };
@@ -482,20 +476,8 @@ fn a_quote_is_scored() {
 #[test]
 fn a_budget_is_spent_on_samples_once() {
     let project = Project::new();
-    let name = |name: &str| {
-        project
-            .folder
-            .path()
-            .join(name)
-            .to_str()
-            .unwrap()
-            .to_owned()
-    };
-    let (scene, path, out) = (name("s.ron"), name("p.ron"), name("out"));
-    let of = |command: &str, more: &[&str]| {
-        let start = [command, &scene, &path, "-o", &out, "--size", "64x48"];
-        flythrough(&[&start[..], more].concat())
-    };
+    let of =
+        |command: &str, more: &[&str]| project.run(command, &[&["--size", "64x48"], more].concat());
     let first = of("render", &["--budget", "3s", "--frames", "0-3"]);
     assert_eq!(first.status.code(), Some(0), "{}", stderr(&first));
     let said = String::from_utf8(first.stdout).unwrap();
@@ -511,7 +493,7 @@ fn a_budget_is_spent_on_samples_once() {
     let same = of("render", &["--samples", &samples.to_string()]);
     let said = String::from_utf8(same.stdout).unwrap();
     assert!(said.starts_with("0 frames rendered"), "{said}");
-    let audited = flythrough(&["audit", &out, "--sample", "2"]);
+    let audited = flythrough(&["audit", project.out().to_str().unwrap(), "--sample", "2"]);
     assert_eq!(audited.status.code(), Some(0), "{}", stderr(&audited));
     for (more, wrong) in [
         (

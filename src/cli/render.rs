@@ -81,8 +81,8 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         }
     }
     warn(&shortcomings(&outcome, settings.target_error));
-    let is_still_its_own = folder.has_its_plan();
-    if !is_still_its_own {
+    let is_anothers = folder.has_another_plan();
+    if is_anothers {
         warn(&[format!(
             "{}: somebody else has begun to render another sequence here; use two folders",
             folder.path().display()
@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     }
     Ok(if outcome.stopped {
         Status::Interrupted
-    } else if outcome.failures.is_empty() && is_listed && is_still_its_own {
+    } else if outcome.failures.is_empty() && is_listed && !is_anothers {
         Status::Done
     } else {
         Status::SomeFailed
@@ -112,9 +112,9 @@ fn missing(folder: &FrameFolder, frames: &[u32], quiet: bool) -> Vec<u32> {
     }
     if stale > 0 {
         let folder = folder.path().display();
+        let why = Fault::Stale;
         warn(&[format!(
-            "{folder}: {stale} frames are stale ({}) and rendered again",
-            Fault::Stale
+            "{folder}: {stale} frames are rendered again, as they are {why}"
         )]);
     }
     missing

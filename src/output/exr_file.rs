@@ -1,7 +1,6 @@
 //! OpenEXR files: linear light in 32-bit floats, with a text beside it.
 
-use super::format::{Contents, NOTE};
-use super::picture::Picture;
+use super::picture::{Contents, NOTE, Picture};
 use crate::film::Film;
 use exr::meta::MetaData;
 use exr::prelude::*;

@@ -1,4 +1,5 @@
-use super::format::{Contents, FrameFormat};
+use super::format::FrameFormat;
+use super::picture::Contents;
 use super::record::FrameRecord;
 use std::io;
 use thiserror::Error;

@@ -1,12 +1,9 @@
-use super::picture::Picture;
+use super::picture::{Contents, Picture};
 use super::{exr_file, png_file};
 use crate::film::Film;
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::Path;
-
-/// Under this name a file's note is found in it.
-pub(super) const NOTE: &str = "flythrough";
 
 /// How a frame is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -18,14 +15,6 @@ pub enum FrameFormat {
     Png16,
     /// 32-bit floats, linear light, OpenEXR.
     Exr,
-}
-
-/// What is in a file.
-pub(super) struct Contents {
-    /// What the file says; none if it says nothing.
-    pub(super) note: Option<String>,
-    /// None if its size or its kind is not the one expected.
-    pub(super) picture: Option<Picture>,
 }
 
 impl FrameFormat {

@@ -12,6 +12,8 @@ mod picture;
 mod plan;
 mod png_file;
 mod record;
+#[cfg(test)]
+mod tests;
 
 pub use exr_file::{decode as decode_exr, encode as encode_exr, note as note_of_exr};
 pub use fault::Fault;

@@ -1,3 +1,6 @@
+/// Under this name a file's note is found in it.
+pub(super) const NOTE: &str = "flythrough";
+
 /// A picture as a file stores it.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Picture {
@@ -18,4 +21,12 @@ impl Picture {
         hasher.update(&self.samples);
         hasher.finalize()
     }
+}
+
+/// What is in a file.
+pub(super) struct Contents {
+    /// What the file says; none if it says nothing.
+    pub(super) note: Option<String>,
+    /// None if its size or its kind is not the one expected.
+    pub(super) picture: Option<Picture>,
 }

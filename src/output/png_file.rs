@@ -1,7 +1,6 @@
 //! PNG files: sRGB codes, with a text beside them.
 
-use super::format::{Contents, NOTE};
-use super::picture::Picture;
+use super::picture::{Contents, NOTE, Picture};
 use png::{BitDepth, ColorType, DecodeOptions, Decoder, Info, Limits};
 use std::fs::File;
 use std::io::{self, BufReader, Cursor};

@@ -2,6 +2,7 @@ use super::allocation::Allocation;
 use super::grid::{Grid, average_corners};
 use super::noise::{ErrorEstimate, RelativeDeviations};
 use super::samples::{Estimates, Sampler};
+use super::watch::{Unwatched, Watch};
 use super::{PixelSampling, RenderSettings};
 use crate::camera::Camera;
 use crate::film::Film;
@@ -40,25 +41,6 @@ impl RenderedFrame {
 /// How many steps of progress a frame makes that is not refined after its first samples.
 pub fn tile_count(settings: &RenderSettings) -> u64 {
     Grid::of(settings).tiles()
-}
-
-/// Follows the work on a frame, from several threads, and may stop it.
-pub trait Watch: Sync {
-    /// A tile is finished; it took `rays` rays.
-    fn tile_done(&self, rays: u64);
-    /// Whether the frame is to be given up.
-    fn is_stopped(&self) -> bool;
-}
-
-/// Nobody watches.
-struct Unwatched;
-
-impl Watch for Unwatched {
-    fn tile_done(&self, _: u64) {}
-
-    fn is_stopped(&self) -> bool {
-        false
-    }
 }
 
 /// The fewest and the most bytes that a frame takes while it is rendered and encoded.

@@ -15,12 +15,14 @@ mod reprojection;
 mod samples;
 mod sequence;
 mod settings;
+mod watch;
 
 pub use flicker::Flicker;
-pub use frame::{RenderedFrame, Watch, frame_memory, render_frame, tile_count};
+pub use frame::{RenderedFrame, frame_memory, render_frame, tile_count};
 pub use light_errors::light_errors;
 pub use noise::ErrorEstimate;
 pub use pixels::render_pixels;
 pub use reprojection::{Match, Reprojection, TILE};
 pub use sequence::{Claim, EncodedFrame, FrameSink, Observer, Outcome, SinkError, render_sequence};
 pub use settings::{PixelSampling, RenderSettings};
+pub use watch::Watch;

@@ -1,5 +1,5 @@
-use super::frame::Watch;
 use super::grid::Grid;
+use super::watch::Watch;
 use super::{PixelSampling, RenderSettings};
 use crate::accel::Traversal;
 use crate::camera::{Camera, CameraRays};

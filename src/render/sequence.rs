@@ -1,6 +1,7 @@
-use super::frame::{RenderedFrame, Watch, render_watched};
+use super::frame::{RenderedFrame, render_watched};
 use super::noise::ErrorEstimate;
 use super::settings::RenderSettings;
+use super::watch::Watch;
 use crate::camera::CameraPath;
 use crate::scene::Scene;
 use std::any::Any;

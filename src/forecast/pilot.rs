@@ -22,6 +22,9 @@ const SECONDS: f64 = 4.0;
 /// this share.
 const COHERENCE: f64 = 0.06;
 
+/// With every halving, neighbouring pixels have less in common, too: their bytes are off by up to this share.
+const GRAIN: f64 = 0.1;
+
 /// No side of a frame is made shorter than this, in pixels.
 const LEAST_SIDE: u32 = 64;
 
@@ -101,7 +104,7 @@ impl Pilot {
         Pilot {
             frames,
             doubt_of_seconds,
-            doubt_of_bytes: 0.5 * (more_bytes / pixels).ln().abs() + 0.05 * f64::from(halvings),
+            doubt_of_bytes: 0.5 * (more_bytes / pixels).ln().abs() + GRAIN * f64::from(halvings),
         }
     }
 }

@@ -48,9 +48,9 @@ pub fn frame_memory(settings: &RenderSettings) -> [u64; 2] {
     // Of each point: its value, the number of its passes, and both once more in its tile with where it is; of two
     // halves also what is developed of them. The allocator gives back less of what it has of small frames.
     let bytes = if settings.has_noise() {
-        [80, 126]
+        [80, 160]
     } else {
-        [36, 62]
+        [36, 90]
     };
     bytes.map(|bytes| bytes * Grid::of(settings).len() as u64)
 }

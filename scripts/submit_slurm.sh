@@ -26,6 +26,12 @@ scripts=$(cd "$(dirname "$0")" && pwd)
 export FLYTHROUGH=${FLYTHROUGH:-$scripts/../target/release/flythrough}
 [ -x "$FLYTHROUGH" ] || FLYTHROUGH=$(command -v flythrough) \
     || fail "flythrough is neither built (cargo build --release) nor in \$PATH"
+for option in "${@:5}"; do
+    case $option in
+        --frames* | -f* | --force | --prepare* | --out* | -o* | --budget*)
+            fail "$option: what tasks render is for this script to say; --budget knows of one machine only" ;;
+    esac
+done
 frames_dir=$3 video=$4
 render=("$FLYTHROUGH" render "$1" "$2" --out "$frames_dir" "${@:5}")
 
@@ -40,17 +46,23 @@ needed=$(( (count + largest_array - 1) / largest_array ))
 [ "$chunk" -ge "$needed" ] || chunk=$needed
 tasks=$("$FLYTHROUGH" missing --quiet "$frames_dir" --format slurm --chunk "$chunk")
 
+# A job whose id is printed; the batch script comes on stdin.
 submit() {
-    sbatch --parsable --requeue --open-mode=append --kill-on-invalid-dep=no "$@"
+    local id
+    id=$(sbatch --parsable --requeue --open-mode=append "$@")
+    echo "${id%%;*}"
 }
 quoted() { printf '%q ' "$@"; }
 
 after=()
 if [ -n "$tasks" ]; then
     if [ "$(entry path_light)" = true ]; then
-        light=$(submit --job-name=light --cpus-per-task="${CPUS:-4}" --output="$frames_dir/logs/light_%j.log" \
-            --wrap "exec $(quoted "${render[@]}" --prepare light)")
-        after=(--dependency="afterok:$light")
+        light=$(submit --job-name=light --cpus-per-task="${CPUS:-4}" --output="$frames_dir/logs/light_%j.log" <<JOB
+#!/usr/bin/env bash
+exec $(quoted "${render[@]}" --prepare light)
+JOB
+        )
+        after=(--dependency="afterok:$light" --kill-on-invalid-dep=yes)
     fi
     array=$(submit --job-name=render --cpus-per-task="${CPUS:-4}" --array="$tasks${MOST:+%$MOST}" \
         --signal=B:USR1@60 --output="$frames_dir/logs/render_%A_%a.log" "${after[@]}" <<TASK
@@ -63,13 +75,14 @@ $(quoted "${render[@]}") --frames \$first-\$last &
 trap 'is_late=1; kill -TERM \$!' USR1
 trap 'kill -TERM \$!' TERM
 while wait \$!; status=\$?; kill -0 \$! 2>/dev/null; do :; done
-if [ \$status = 75 ] && [ -n "\${is_late:-}" ]; then
+# A frame that takes longer than the time limit would be begun for ever.
+if [ \$status = 75 ] && [ -n "\${is_late:-}" ] && [ "\${SLURM_RESTART_COUNT:-0}" -lt $chunk ]; then
     exec scontrol requeue "\${SLURM_ARRAY_JOB_ID}_\$SLURM_ARRAY_TASK_ID"
 fi
 exit \$status
 TASK
     )
-    after=(--dependency="afterok:$array")
+    after=(--dependency="afterok:$array" --kill-on-invalid-dep=no)
     echo "frames: job $array, tasks $tasks of $chunk frames"
 else
     echo "frames: all of them are proven"
@@ -78,6 +91,8 @@ fi
 # The video job of an earlier submission waits for tasks that failed, or for frames that are made anew.
 waiting=$frames_dir/logs/video.job
 [ ! -f "$waiting" ] || scancel --quiet "$(cat "$waiting")" || true
-submit --job-name=video --output="$frames_dir/logs/video_%j.log" "${after[@]}" \
-    --wrap "exec $(quoted "$scripts/make_video.sh" "$frames_dir" "$video")" > "$waiting"
+submit --job-name=video --output="$frames_dir/logs/video_%j.log" "${after[@]}" > "$waiting" <<JOB
+#!/usr/bin/env bash
+exec $(quoted "$scripts/make_video.sh" "$frames_dir" "$video")
+JOB
 echo "video: job $(cat "$waiting")"

@@ -6,7 +6,7 @@ mod support;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::Output;
+use std::process::{Command, Output, Stdio};
 use support::*;
 
 /// A scene with a model and a texture, and a path of nine frames, in a folder of their own.
@@ -224,6 +224,25 @@ fn an_edit_makes_the_right_frames_stale() {
     }
 }
 
+/// It is not enough that the same files are there.
+#[test]
+fn pictures_that_change_places_make_frames_stale() {
+    let project = Project::new();
+    let materials = "materials: {\"other\": (texture: \"u.png\"), \"photo\"";
+    let scene = SCENE.replace("materials: {\"photo\"", materials);
+    project.write("s.ron", scene.as_bytes());
+    project.picture(30);
+    let name = |name: &str| project.folder.path().join(name);
+    fs::rename(name("t.png"), name("u.png")).unwrap();
+    project.picture(90);
+    assert_eq!(project.render(&[]), ALL);
+    for (from, to) in [("t.png", "swap"), ("u.png", "t.png"), ("swap", "u.png")] {
+        fs::rename(name(from), name(to)).unwrap();
+    }
+    assert_eq!(project.verify().0, Some(3));
+    assert_eq!(project.render(&[]), ALL);
+}
+
 #[test]
 fn settings_that_decide_pixels_make_frames_stale_and_others_do_not() {
     let project = Project::new();
@@ -295,6 +314,15 @@ frame_00007.png: holds no whole record of flythrough
     assert_eq!(frames(&project.out()), once);
     assert_eq!(project.missing(&["--format", "openjd"]), "");
     fs::write(project.file(9), "no frame").unwrap();
+    let mut unread = Command::new(env!("CARGO_BIN_EXE_flythrough"))
+        .arg("verify")
+        .arg(project.out())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    drop(unread.stdout.take());
+    assert_eq!(unread.wait().unwrap().code(), Some(3));
     let (status, said) = project.verify();
     assert_eq!(status, Some(3));
     assert!(
@@ -478,6 +506,22 @@ fn a_budget_is_spent_on_samples_once() {
     let project = Project::new();
     let of =
         |command: &str, more: &[&str]| project.run(command, &[&["--size", "64x48"], more].concat());
+    let both = [(); 2].map(|()| {
+        let name = |name: &str| project.folder.path().join(name);
+        Command::new(env!("CARGO_BIN_EXE_flythrough"))
+            .arg("render")
+            .args([name("s.ron"), name("p.ron")])
+            .arg("-o")
+            .arg(name("both"))
+            .args(["--size", "64x48", "--budget", "3s"])
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap()
+    });
+    for mut process in both {
+        assert_eq!(process.wait().unwrap().code(), Some(0));
+    }
     let first = of("render", &["--budget", "3s", "--frames", "0-3"]);
     assert_eq!(first.status.code(), Some(0), "{}", stderr(&first));
     let said = String::from_utf8(first.stdout).unwrap();
@@ -486,7 +530,8 @@ fn a_budget_is_spent_on_samples_once() {
         said.contains("samples of each pixel fit into 0:00:03") && samples > 1,
         "{said}"
     );
-    // The choice stands, whoever comes after.
+    // The choice stands, whoever comes after and whatever else is quoted.
+    assert_eq!(of("quote", &["--samples", "2"]).status.code(), Some(0));
     let second = of("render", &["--budget", "3s"]);
     let said = String::from_utf8(second.stdout).unwrap();
     assert!(said.starts_with("5 frames rendered"), "{said}");

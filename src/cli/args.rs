@@ -74,7 +74,7 @@ pub(super) struct RenderArguments {
     pub(super) frames: Option<FrameRanges>,
     /// Take as many camera samples as all frames of the path can have in this time, as in 2h or 90min, on this
     /// machine; the choice is kept in the folder
-    #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with_all = ["samples", "target_error"])]
+    #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with_all = ["samples", "target_error", "aov"])]
     pub(super) budget: Option<Duration>,
     /// Which frames come first
     #[arg(long, value_enum, default_value = "sequential")]
@@ -141,8 +141,8 @@ pub(super) struct QuoteArguments {
 
 /// Render some frames of a folder again, and compare them with what is there, byte for byte
 ///
-/// They are made as the command made them that is written down in the folder. So a machine of a farm that
-/// renders other pictures than this one is found.
+/// They are made as the command made them that is written down in the folder, light of --gi path as it is kept in
+/// its file. So a machine of a farm that renders other pictures than this one is found.
 ///
 /// Exit status: 0 all are the same, 2 not a folder of frames, or made from something else, 3 some are not the
 /// same.

@@ -24,8 +24,11 @@ pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<St
         .into());
     }
     let all: Vec<u32> = (0..job.frame_count()).collect();
-    let proofs = prove(&folder, &all, arguments.quiet).into_iter();
-    let proven = proofs.filter_map(|(frame, proof)| proof.is_ok().then_some(frame));
+    let pool = &job.loaded.pool;
+    let proofs = pool.install(|| prove(&folder, &all, arguments.quiet));
+    let proven = proofs
+        .into_iter()
+        .filter_map(|(frame, proof)| proof.is_ok().then_some(frame));
     let sample = chosen(proven.collect(), arguments);
     if sample.is_empty() {
         return Err(format!("{}: no frame is proven", out.display()).into());
@@ -94,14 +97,19 @@ impl FrameSink for Comparison<'_> {
     }
 
     fn keep(&self, frame: u32, (): (), encoded: &EncodedFrame) -> Result<(), SinkError> {
-        let file = self.0.file_of(frame);
-        if fs::read(&file)? == encoded.picture {
-            return Ok(());
+        let files = [
+            (self.0.file_of(frame), Some(&encoded.picture)),
+            (self.0.map_of(frame), encoded.error_map.as_ref()),
+        ];
+        for (file, bytes) in files {
+            if let Some(bytes) = bytes
+                && fs::read(&file)? != *bytes
+            {
+                let file = file.display();
+                let what = "is not what this machine renders: check both by flythrough selftest";
+                return Err(format!("{file} {what}").into());
+            }
         }
-        let file = file.display();
-        Err(
-            format!("{file} is not what this machine renders: check both by flythrough selftest")
-                .into(),
-        )
+        Ok(())
     }
 }

@@ -17,13 +17,7 @@ pub(super) struct Loaded {
 pub(super) fn load(input: &InputArguments, threads: &ThreadsArgument) -> Result<Loaded, Failure> {
     let mut path_files = InputFiles::default();
     let path = load_camera_path(&input.path, &mut path_files)?;
-    let threads = match threads.threads {
-        Some(threads) => threads.get(),
-        None => std::thread::available_parallelism()?.get(),
-    };
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()?;
+    let pool = pool(threads)?;
     let mut scene_files = InputFiles::default();
     let scene = pool.install(|| load_scene(&input.scene, &mut scene_files))?;
     warn(&scene.warnings);
@@ -34,6 +28,17 @@ pub(super) fn load(input: &InputArguments, threads: &ThreadsArgument) -> Result<
         path_fingerprint: path_files.fingerprint(),
         pool,
     })
+}
+
+/// As many threads as are given, else as many as the process may use.
+pub(super) fn pool(threads: &ThreadsArgument) -> Result<rayon::ThreadPool, Failure> {
+    let threads = match threads.threads {
+        Some(threads) => threads.get(),
+        None => std::thread::available_parallelism()?.get(),
+    };
+    Ok(rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()?)
 }
 
 impl Loaded {

@@ -3,12 +3,13 @@ use super::job::Job;
 use super::progress::clock;
 use super::{Failure, Status};
 use crate::forecast::{Forecast, Quote, samples_within};
-use crate::output::{FrameFolder, Plan, write_whole};
+use crate::output::{FrameFolder, PartFile, Plan, write_whole};
 use crate::render::Outcome;
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
+use std::thread::sleep;
 use std::time::Duration;
 
 pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
@@ -20,7 +21,7 @@ pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
     let seconds = quote.seconds(&frames);
     let bytes = quote.bytes(&frames);
     let mut out = io::stdout().lock();
-    if let Some(choice) = &kept.choice {
+    if let (Some(choice), Some(_)) = (&kept.choice, arguments.budget) {
         writeln!(
             out,
             "samples  {} of each pixel (--samples {0})",
@@ -74,11 +75,21 @@ impl Kept {
         if let Some(out) = out {
             fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
         }
+        if budget.is_some() && job.settings.target_error.is_some() {
+            return Err(
+                "--budget: the target error of the scene or the path decides on samples".into(),
+            );
+        }
         job.bake(quiet)?;
         let memory = resident().map_or(0.0, |[now, _]| now);
         let folder = FrameFolder::new(Path::new(""), job.plan()?, true);
         let (quote, choice) = match budget {
-            None => (Quote::new(job.stage(&folder), &job.settings, memory), None),
+            // What was chosen before stays: frames are made of it.
+            None => {
+                let choice = out.and_then(Kept::read).and_then(|kept| kept.choice);
+                let quote = Quote::new(job.stage(&folder), &job.settings, memory);
+                (quote, choice)
+            }
             Some(budget) => {
                 let seconds = budget.as_secs_f64();
                 let within = samples_within(job.stage(&folder), &job.settings, seconds, memory);
@@ -140,6 +151,17 @@ pub(super) fn keep_within(
     out: &Path,
     quiet: bool,
 ) -> Result<(), Failure> {
+    fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
+    // Whoever else begins at the same time waits for the choice of the first.
+    let _turn = loop {
+        if choose_again(job, budget, out)? {
+            return Ok(());
+        }
+        match PartFile::claim(&out.join(Kept::FILE))? {
+            Some(turn) => break turn,
+            None => sleep(Duration::from_millis(100)),
+        }
+    };
     if choose_again(job, budget, out)? {
         return Ok(());
     }

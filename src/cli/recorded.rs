@@ -11,12 +11,15 @@ use clap::Parser;
 /// was typed: that is the current folder from now on.
 pub(super) fn job_of(folder: &FrameFolder, threads: ThreadsArgument) -> Result<Job, Failure> {
     let command = &folder.plan().command;
-    let there = command.folder.display();
-    std::env::set_current_dir(&command.folder)
-        .map_err(|error| format!("{there}, where the frames were rendered: {error}"))?;
     let Command::Render(mut render) = Arguments::try_parse_from(&command.arguments)?.command else {
         return Err(format!("{}: not rendered by render", folder.path().display()).into());
     };
+    let there = command.folder.display();
+    let gone_there = std::env::set_current_dir(&command.folder);
+    let names = [&render.job.input.scene, &render.job.input.path];
+    if names.iter().any(|name| name.is_relative()) {
+        gone_there.map_err(|error| format!("{there}, where they were rendered: {error}"))?;
+    }
     // Whoever rendered them may have had more threads.
     render.job.threads = threads;
     let mut job = Job::new(&render.job, Some(folder.path()), false)?;

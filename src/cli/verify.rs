@@ -1,4 +1,5 @@
 use super::args::VerifyArguments;
+use super::loading::pool;
 use super::progress::ShareProgress;
 use super::recorded::job_of;
 use super::{Failure, Status, warn};
@@ -22,35 +23,35 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
     };
     let count = folder.plan().frames;
     let frames: Vec<u32> = (0..count).collect();
-    let mut bad = 0;
-    let mut out = std::io::stdout().lock();
-    for (frame, proof) in prove(&folder, &frames, arguments.quiet) {
+    let mut lines = Vec::new();
+    let pool = pool(&arguments.threads)?;
+    for (frame, proof) in pool.install(|| prove(&folder, &frames, arguments.quiet)) {
         if let Err(fault) = proof {
-            bad += 1;
-            writeln!(out, "{}: {fault}", folder.file_of(frame).display())?;
+            lines.push(format!("{}: {fault}", folder.file_of(frame).display()));
         }
     }
-    let strays = folder.strays()?;
-    for name in &strays {
+    let proven = count as usize - lines.len();
+    for name in folder.strays()? {
         let stray = folder.path().join(name);
-        writeln!(
-            out,
+        lines.push(format!(
             "{}: no frame of the sequence; remove it",
             stray.display()
-        )?;
+        ));
     }
-    if !arguments.quiet {
-        let proven = count - bad;
-        writeln!(
-            out,
-            "{proven} of {count} frames are proven: {}",
-            folder.path().display()
-        )?;
-    }
-    Ok(match bad == 0 && strays.is_empty() {
+    let status = match lines.is_empty() {
         true => Status::Done,
         false => Status::SomeFailed,
-    })
+    };
+    if !arguments.quiet {
+        let folder = folder.path().display();
+        lines.push(format!("{proven} of {count} frames are proven: {folder}"));
+    }
+    let mut out = std::io::stdout().lock();
+    for line in lines {
+        // Nobody has to read it: the exit status says what matters.
+        let _ = writeln!(out, "{line}");
+    }
+    Ok(status)
 }
 
 /// Proves frames on all threads of the current pool; gives them in their order.

@@ -1,5 +1,4 @@
 use super::error::InputError;
-use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -8,7 +7,8 @@ use std::path::{Path, PathBuf};
 /// inputs and no others.
 #[derive(Debug, Default)]
 pub struct InputFiles {
-    hashes: BTreeMap<PathBuf, blake3::Hash>,
+    /// Of the contents, in the order in which they were read.
+    hashes: Vec<blake3::Hash>,
 }
 
 impl InputFiles {
@@ -22,7 +22,7 @@ impl InputFiles {
             file: file.to_owned(),
             source,
         })?;
-        self.hashes.insert(file.to_owned(), blake3::hash(&bytes));
+        self.hashes.push(blake3::hash(&bytes));
         Ok(bytes)
     }
 
@@ -44,13 +44,12 @@ impl InputFiles {
         })
     }
 
-    /// A hash of the contents of all files read so far; their names and places do not count.
+    /// A hash of the contents of all files read so far, each as what it was read; their names and places do not
+    /// count.
     pub fn fingerprint(&self) -> blake3::Hash {
-        let mut hashes: Vec<&[u8; 32]> = self.hashes.values().map(blake3::Hash::as_bytes).collect();
-        hashes.sort_unstable();
         let mut hasher = blake3::Hasher::new();
-        for hash in hashes {
-            hasher.update(hash);
+        for hash in &self.hashes {
+            hasher.update(hash.as_bytes());
         }
         hasher.finalize()
     }

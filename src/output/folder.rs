@@ -8,11 +8,25 @@ use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
 use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::time::SystemTime;
 use thiserror::Error;
 
 /// The file beside the frames that says what they are.
 const PLAN_FILE: &str = "sequence.ron";
+
+/// How the names of all files begin that are written to a folder.
+const OWN_FILES: [&str; 7] = [
+    "frame_",
+    "error_",
+    PLAN_FILE,
+    "manifest.ron",
+    "errors.",
+    "quote.ron",
+    "light.cache",
+];
 
 /// Why a folder cannot be used.
 #[derive(Debug, Error)]
@@ -66,7 +80,12 @@ pub struct FrameFolder {
     plan: Plan,
     /// Whether frames that are proven are rendered all the same.
     force: bool,
+    /// Which file said what the frames are to be when the folder was prepared.
+    plan_file: OnceLock<Option<FileIdentity>>,
 }
+
+/// What tells a file from one that is put in its place.
+type FileIdentity = (u64, SystemTime);
 
 /// Where a frame will be kept.
 #[derive(Debug)]
@@ -82,6 +101,7 @@ impl FrameFolder {
             folder: folder.to_owned(),
             plan,
             force,
+            plan_file: OnceLock::new(),
         }
     }
 
@@ -105,7 +125,7 @@ impl FrameFolder {
     pub fn prepare(&self) -> Result<(), FolderError> {
         let prepare = || {
             fs::create_dir_all(&self.folder)?;
-            remove_leftovers(&self.folder)?;
+            remove_leftovers(&self.folder, &OWN_FILES)?;
             if self.has_its_plan() {
                 return try_out(&self.folder.join(PLAN_FILE));
             }
@@ -115,7 +135,20 @@ impl FrameFolder {
         prepare().map_err(|source| FolderError::Unwritable {
             folder: self.folder.clone(),
             source,
-        })
+        })?;
+        self.plan_file.get_or_init(|| self.plan_identity());
+        Ok(())
+    }
+
+    fn plan_identity(&self) -> Option<FileIdentity> {
+        let file = fs::metadata(self.folder.join(PLAN_FILE)).ok()?;
+        Some((file.ino(), file.modified().ok()?))
+    }
+
+    /// Whether somebody else has said, since it was prepared, that the folder is of other frames.
+    fn was_given_another_plan(&self) -> bool {
+        let prepared = self.plan_file.get();
+        prepared.is_some_and(|file| *file != self.plan_identity()) && self.has_another_plan()
     }
 
     /// Whether the folder is said to be of the frames of this plan.
@@ -152,7 +185,7 @@ impl FrameFolder {
     }
 
     /// The file of a frame's error map.
-    pub(super) fn map_of(&self, frame: u32) -> PathBuf {
+    pub fn map_of(&self, frame: u32) -> PathBuf {
         self.folder.join(format!("error_{frame:05}.exr"))
     }
 
@@ -234,19 +267,23 @@ impl FrameSink for FrameFolder {
     type Place = Place;
 
     fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Place>, SinkError> {
-        let claim = |file: &Path, format| -> io::Result<Option<PartFile>> {
+        if self.was_given_another_plan() {
+            let folder = self.folder.display();
+            return Err(format!("{folder}: is of another sequence by now; use two folders").into());
+        }
+        let claim = |file: &Path| -> io::Result<Option<PartFile>> {
             let part = match insists {
                 true => Some(PartFile::own(file)?),
                 false => PartFile::claim(file)?,
             };
             // What there is no room for need not be rendered.
             part.iter()
-                .try_for_each(|part| part.reserve(self.bound(format)))?;
+                .try_for_each(|part| part.reserve(self.bound(self.plan.format)))?;
             Ok(part)
         };
         let file = self.file_of(frame);
         let named = |file: &Path, error| format!("{}: cannot be written: {error}", file.display());
-        let picture = claim(&file, self.plan.format).map_err(|error| named(&file, error))?;
+        let picture = claim(&file).map_err(|error| named(&file, error))?;
         let Some(picture) = picture else {
             return Ok(Claim::Busy);
         };
@@ -256,8 +293,12 @@ impl FrameSink for FrameFolder {
         let mut error_map = None;
         if self.plan.error_maps {
             let file = self.map_of(frame);
-            // Whoever holds the frame holds its map.
-            error_map = claim(&file, FrameFormat::Exr).map_err(|error| named(&file, error))?;
+            // Whoever holds the frame need not ask for its map.
+            let part = PartFile::own(&file).and_then(|part| {
+                part.reserve(self.bound(FrameFormat::Exr))?;
+                Ok(part)
+            });
+            error_map = Some(part.map_err(|error| named(&file, error))?);
         }
         Ok(Claim::Granted(Place { picture, error_map }))
     }

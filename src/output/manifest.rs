@@ -1,15 +1,21 @@
 use super::folder::{FrameFolder, remove};
-use super::part_file::write_whole;
+use super::part_file::{PartFile, write_whole};
 use super::record::FrameRecord;
 use crate::chart::{Axis, Chart, Point, Series};
 use serde::Serialize;
 use std::fs;
 use std::io;
+use std::thread::sleep;
+use std::time::Duration;
 
 const FILE: &str = "manifest.ron";
 
+/// How long a turn is waited for, and how often: a minute, as whoever has it may hang.
+const PAUSE: Duration = Duration::from_millis(20);
+const PATIENCE: u32 = 3000;
+
 /// What the frames of a folder say of themselves, by number.
-#[derive(Debug, PartialEq, Serialize)]
+#[derive(Debug, Serialize)]
 pub struct Manifest {
     frames: Vec<FrameRecord>,
 }
@@ -33,18 +39,19 @@ impl Manifest {
     /// Writes `manifest.ron` and, if any frame has an error, `errors.csv` and a picture of it, `errors.svg`;
     /// otherwise there are no such files.
     ///
-    /// Others may do the same at the same time, and keep frames: it is done when nothing has come since it was
-    /// begun. So whoever is the last to write has seen all.
+    /// Others may do the same at the same time: one after the other, each after its own frames. So the last has
+    /// seen all of them.
     pub fn update(folder: &FrameFolder) -> io::Result<()> {
-        let mut manifest = Manifest::of(folder);
-        loop {
-            manifest.write(folder)?;
-            let now = Manifest::of(folder);
-            if now == manifest {
-                return Ok(());
+        let file = folder.path().join(FILE);
+        let mut turn = PartFile::claim(&file)?;
+        for _ in 0..PATIENCE {
+            if turn.is_some() {
+                break;
             }
-            manifest = now;
+            sleep(PAUSE);
+            turn = PartFile::claim(&file)?;
         }
+        Manifest::of(folder).write(folder)
     }
 
     fn to_text(&self) -> Result<String, ron::Error> {

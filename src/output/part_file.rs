@@ -19,7 +19,7 @@ pub struct PartFile {
 
 impl PartFile {
     /// The one part of `target` that all who mean to write it agree on; none if somebody else writes it.
-    pub(super) fn claim(target: &Path) -> io::Result<Option<PartFile>> {
+    pub fn claim(target: &Path) -> io::Result<Option<PartFile>> {
         let part = beside(target, "");
         loop {
             match PartFile::open(target, &part)? {
@@ -126,17 +126,19 @@ fn beside(target: &Path, tag: &str) -> PathBuf {
     target.with_file_name(format!(".{name}{tag}.part"))
 }
 
-/// Removes what processes that were killed left in a folder. What cannot be removed stays.
-pub(super) fn remove_leftovers(folder: &Path) -> io::Result<()> {
+/// Removes what processes that were killed left in a folder of files whose names begin with one of `names`. What
+/// cannot be removed stays.
+pub(super) fn remove_leftovers(folder: &Path, names: &[&str]) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
-        let part = entry?.path();
-        let name = part.file_name().unwrap_or_default().to_string_lossy();
-        if name.starts_with('.')
-            && name.ends_with(".part")
-            && let Ok(file) = OpenOptions::new().write(true).open(&part)
-            && file.try_lock().is_ok()
-        {
-            let _ = fs::remove_file(&part);
+        let entry = entry?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let of = name
+            .strip_prefix('.')
+            .filter(|name| name.ends_with(".part"));
+        let is_own = of.is_some_and(|of| names.iter().any(|name| of.starts_with(name)));
+        // Whoever holds the lock of a file that has its name may remove it.
+        if is_own && let Ok(Opened::Locked(part)) = PartFile::open(Path::new(""), &entry.path()) {
+            drop(part);
         }
     }
     Ok(())
@@ -186,11 +188,14 @@ mod tests {
     fn leftovers_are_those_that_nobody_holds() {
         let folder = tempfile::tempdir().expect("a folder");
         let held = PartFile::claim(&folder.path().join("held.png")).expect("can be written");
-        for left in [".left.png.part", ".left.png.0123.part", ".other", "b.part"] {
-            fs::write(folder.path().join(left), "half").expect("written");
+        let left = [".left.png.part", ".left.png.0123.part"];
+        let of_others = [".film.part", ".left.png", "left.part"];
+        for name in left.iter().chain(&of_others) {
+            fs::write(folder.path().join(name), "half").expect("written");
         }
-        remove_leftovers(folder.path()).expect("can be read");
-        assert_eq!(names(folder.path()), [".held.png.part", ".other", "b.part"]);
+        remove_leftovers(folder.path(), &["left", "held"]).expect("can be read");
+        let there = [".film.part", ".held.png.part", ".left.png", "left.part"];
+        assert_eq!(names(folder.path()), there);
         drop(held);
     }
 

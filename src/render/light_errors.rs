@@ -40,6 +40,7 @@ pub fn light_errors(
     let looking_up = RenderSettings {
         sampling: PixelSampling::Center,
         seed: looking_up.seed ^ SEED,
+        lock_seed: false,
         ..looking_up.clone()
     };
     let exact = RenderSettings {

@@ -22,9 +22,9 @@ run() {
         -p Out="$frames" -p Video="$dir/zoom.mp4" -p Options="$options" > "$dir/log" 2>&1
 }
 run 0-54 &
-for ((i = 0; i < 1200; i++)); do
+for ((i = 0; i < 6000; i++)); do
     [ ! -f "$frames/frame_00023.png" ] || break
-    sleep 0.1
+    sleep 0.02
 done
 pkill -KILL -f "render .* --out $frames" || fail "the third chunk was not rendering: $(tail -n 30 "$dir/log")"
 if wait $!; then fail "it did not notice that a chunk was killed"; fi

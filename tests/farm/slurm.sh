@@ -16,7 +16,8 @@ stop() {
     for daemon in slurmctld slurmd munged; do
         [ ! -f "$dir/$daemon.pid" ] || kill "$(cat "$dir/$daemon.pid")" || true
     done
-    rm -rf "$dir"
+    # They still write while they stop.
+    rm -rf "$dir" 2>/dev/null || { sleep 2; rm -rf "$dir"; } || true
     exit $status
 }
 trap stop EXIT

@@ -19,6 +19,14 @@ impl Timeline {
         ((self.end - self.start) * self.fps).round() as u32 + 1
     }
 
+    /// The frames in the middles of so many equal parts of the path, at least 1; all of them if there are no more.
+    pub fn spread(&self, parts: u32) -> Vec<u32> {
+        let count = self.frame_count();
+        let parts = parts.min(count);
+        let middle = |part: u32| u64::from(2 * part + 1) * u64::from(count) / u64::from(2 * parts);
+        (0..parts).map(|part| middle(part) as u32).collect()
+    }
+
     /// The time of frame `frame`, in seconds, from the frame's number alone.
     ///
     /// `frame` is below [`Timeline::frame_count`].
@@ -65,6 +73,22 @@ mod tests {
         for frame in 0..96 {
             assert_eq!(short.time_of(frame), long.time_of(frame), "{frame}");
         }
+    }
+
+    #[test]
+    fn frames_are_spread_over_the_path() {
+        let spread = |count: u32, parts| {
+            let timeline = Timeline {
+                fps: 1.0,
+                start: 0.0,
+                end: f64::from(count - 1),
+            };
+            timeline.spread(parts)
+        };
+        assert_eq!(spread(1, 12), [0]);
+        assert_eq!(spread(3, 12), [0, 1, 2]);
+        assert_eq!(spread(240, 12)[..3], [10, 30, 50]);
+        assert_eq!(spread(240, 12)[11], 230);
     }
 
     #[test]

@@ -8,9 +8,7 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<Status, Failure> {
     let flags = arguments.settings.settings();
     flags.check().map_err(|error| error.of_flag())?;
     let loaded = load(&arguments.input, &arguments.threads)?;
-    let given = flags
-        .or(loaded.path.settings.clone())
-        .or(loaded.scene.settings.clone());
+    let given = loaded.settings(flags);
     let given = Settings {
         mode: given.mode.or(Some(Mode::Montecarlo)),
         gi: Some(GlobalIllumination::Path),

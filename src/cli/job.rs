@@ -35,12 +35,7 @@ impl Job {
         let flags = arguments.settings.settings();
         flags.check().map_err(|error| error.of_flag())?;
         let loaded = load(&arguments.input, &arguments.threads)?;
-        let of_files = loaded
-            .path
-            .settings
-            .clone()
-            .or(loaded.scene.settings.clone());
-        let given = flags.or(of_files);
+        let given = loaded.settings(flags);
         given.check_together()?;
         let exact = given.resolve();
         let store = match (&arguments.gi_cache, out) {

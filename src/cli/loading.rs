@@ -1,6 +1,8 @@
 use super::args::{InputArguments, ThreadsArgument};
 use super::{Failure, warn};
-use crate::input::{CameraPathInput, InputFiles, SceneInput, load_camera_path, load_scene};
+use crate::input::{
+    CameraPathInput, InputFiles, SceneInput, Settings, load_camera_path, load_scene,
+};
 
 /// A scene, a path and the threads to render them on.
 pub(super) struct Loaded {
@@ -42,6 +44,12 @@ pub(super) fn pool(threads: &ThreadsArgument) -> Result<rayon::ThreadPool, Failu
 }
 
 impl Loaded {
+    /// The settings of flags, the path and the scene: who comes first wins.
+    pub(super) fn settings(&self, flags: Settings) -> Settings {
+        let of_files = self.path.settings.clone().or(self.scene.settings.clone());
+        flags.or(of_files)
+    }
+
     /// A hash of every file that was read.
     pub(super) fn fingerprint(&self) -> blake3::Hash {
         let mut both = blake3::Hasher::new();

@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
-use std::thread::sleep;
 use std::time::Duration;
 
 pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
@@ -152,16 +151,11 @@ pub(super) fn keep_within(
     quiet: bool,
 ) -> Result<(), Failure> {
     fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
+    if choose_again(job, budget, out)? {
+        return Ok(());
+    }
     // Whoever else begins at the same time waits for the choice of the first.
-    let _turn = loop {
-        if choose_again(job, budget, out)? {
-            return Ok(());
-        }
-        match PartFile::claim(&out.join(Kept::FILE))? {
-            Some(turn) => break turn,
-            None => sleep(Duration::from_millis(100)),
-        }
-    };
+    let _turn = PartFile::claim_in_turn(&out.join(Kept::FILE), Duration::MAX)?;
     if choose_again(job, budget, out)? {
         return Ok(());
     }

@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     progress.finish();
     let elapsed = start.elapsed();
 
-    let is_listed = Manifest::is_right(&folder) || list(&folder);
+    let is_listed = missing.is_empty() && Manifest::is_right(&folder) || list(&folder);
     if !arguments.quiet {
         let there = frames.len() - missing.len();
         summarise(&outcome, elapsed, there as u32, &folder);

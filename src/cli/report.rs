@@ -20,11 +20,7 @@ fn program() -> std::io::Result<blake3::Hash> {
 
 pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
     let loaded = load(&arguments.input, &arguments.threads)?;
-    let given = loaded
-        .path
-        .settings
-        .clone()
-        .or(loaded.scene.settings.clone());
+    let given = loaded.settings(Settings::default());
     let settings = given.resolve();
     let size = arguments.size.unwrap_or_else(|| {
         let columns = settings.width.min(COLUMNS);
@@ -40,15 +36,10 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
         "size" => format!("--{error}"),
         _ => format!("--reference-error: {}", error.message),
     })?;
-    let count = loaded.path.path.timeline().frame_count();
+    let timeline = loaded.path.path.timeline();
     let frames = match &arguments.frames {
-        Some(ranges) => ranges.of_path(count)?,
-        None => {
-            let parts = FRAMES.min(count);
-            let middle =
-                |part: u32| u64::from(2 * part + 1) * u64::from(count) / u64::from(2 * parts);
-            (0..parts).map(|part| middle(part) as u32).collect()
-        }
+        Some(ranges) => ranges.of_path(timeline.frame_count())?,
+        None => timeline.spread(FRAMES),
     };
     let stem = arguments.input.path.file_stem().unwrap_or_default();
     let inputs = Inputs {

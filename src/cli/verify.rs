@@ -12,19 +12,19 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
     let out = absolute(&arguments.folder)?;
     let written_down = FrameFolder::open(&out)?;
-    let folder = match job_of(&written_down, arguments.threads).and_then(|job| job.plan()) {
-        Ok(plan) => FrameFolder::new(&out, plan, false),
+    let job = job_of(&written_down, arguments.threads);
+    let (folder, pool) = match job.and_then(|job| Ok((job.plan()?, job.loaded.pool))) {
+        Ok((plan, pool)) => (FrameFolder::new(&out, plan, false), pool),
         Err(error) => {
             warn(&[format!(
                 "what the frames were made from cannot be loaded, so changes since are not seen: {error}"
             )]);
-            written_down
+            (written_down, pool(&arguments.threads)?)
         }
     };
     let count = folder.plan().frames;
     let frames: Vec<u32> = (0..count).collect();
     let mut lines = Vec::new();
-    let pool = pool(&arguments.threads)?;
     for (frame, proof) in pool.install(|| prove(&folder, &frames, arguments.quiet)) {
         if let Err(fault) = proof {
             lines.push(format!("{}: {fault}", folder.file_of(frame).display()));

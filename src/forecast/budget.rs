@@ -9,8 +9,7 @@ const MOST: u32 = 1 << 16;
 const TRIES: usize = 4;
 
 /// The most camera samples of each pixel with which all frames are expected to be there within `seconds`, with
-/// the whole of the forecast's interval; and that forecast. None if one sample is too much. `with` gives the
-/// settings of frames with so many.
+/// the whole of the forecast's interval; and that forecast. None if one sample is too much.
 pub fn samples_within(
     stage: Stage,
     settings: &RenderSettings,

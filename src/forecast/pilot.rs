@@ -1,7 +1,7 @@
 use crate::camera::CameraPath;
 use crate::output::FrameFolder;
 use crate::render::{
-    Claim, EncodedFrame, FrameSink, Observer, RenderSettings, RenderedFrame, SinkError, Watch,
+    Claim, EncodedFrame, FrameSink, RenderSettings, RenderedFrame, SinkError, Unwatched,
     render_sequence,
 };
 use crate::scene::Scene;
@@ -68,9 +68,9 @@ impl Pilot {
     /// Renders frames at a size at which they take no more than they are worth. Where that is smaller than the
     /// sequence's, their bytes go on growing as they did from half of that size.
     pub fn run(stage: Stage, settings: &RenderSettings) -> Pilot {
-        let count = stage.path.timeline().frame_count();
-        let chosen = chosen(count);
-        let all = f64::from(count) / chosen.len() as f64;
+        let timeline = stage.path.timeline();
+        let chosen = timeline.spread(FRAMES);
+        let all = f64::from(timeline.frame_count()) / chosen.len() as f64;
         let sum = |frames: &[PilotFrame], value: fn(&PilotFrame) -> f64| -> f64 {
             frames.iter().map(value).sum()
         };
@@ -109,13 +109,6 @@ impl Pilot {
     }
 }
 
-/// The middles of equal parts of a path of `count` frames.
-fn chosen(count: u32) -> Vec<u32> {
-    let parts = FRAMES.min(count);
-    let middle = |part: u32| u64::from(2 * part + 1) * u64::from(count) / u64::from(2 * parts);
-    (0..parts).map(|part| middle(part) as u32).collect()
-}
-
 /// The settings of frames with so often halved sides.
 fn smaller(settings: &RenderSettings, halvings: u32) -> RenderSettings {
     let side = |side: u32| (side >> halvings).max(1);
@@ -146,7 +139,7 @@ impl Stage<'_> {
         };
         let start = Instant::now();
         render_sequence(
-            self.scene, self.path, settings, frames, self.pool, &scale, &Nobody,
+            self.scene, self.path, settings, frames, self.pool, &scale, &Unwatched,
         );
         let seconds = start.elapsed().as_secs_f64();
         let mut weighed = scale.weighed.into_inner().expect("no holder panics");
@@ -177,7 +170,7 @@ impl FrameSink for Scale<'_> {
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
         let rays = rendered.rays;
         let encoded = self.folder.encode(frame, rendered)?;
-        let weight = (frame, rays, encoded.len());
+        let weight = (frame, rays, encoded.bytes());
         self.weighed.lock().expect("no holder panics").push(weight);
         Ok(encoded)
     }
@@ -187,35 +180,10 @@ impl FrameSink for Scale<'_> {
     }
 }
 
-/// Hears nothing and stops nothing.
-struct Nobody;
-
-impl Watch for Nobody {
-    fn tile_done(&self, _: u64) {}
-
-    fn is_stopped(&self) -> bool {
-        false
-    }
-}
-
-impl Observer for Nobody {
-    fn frame_kept(&self, _: u32) {}
-    fn frame_skipped(&self, _: u32) {}
-    fn frame_failed(&self, _: u32, _: &SinkError) {}
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::integrator::Integrator;
-
-    #[test]
-    fn frames_are_spread_over_the_path() {
-        assert_eq!(chosen(1), [0]);
-        assert_eq!(chosen(3), [0, 1, 2]);
-        assert_eq!(chosen(240)[..3], [10, 30, 50]);
-        assert_eq!(chosen(240)[11], 230);
-    }
 
     #[test]
     fn sizes_are_halved_down_to_the_least() {

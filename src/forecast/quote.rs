@@ -1,5 +1,5 @@
 use super::pilot::{Pilot, PilotFrame, Stage};
-use crate::metrics::student;
+use crate::metrics::{mean, student};
 use crate::render::{RenderSettings, frame_memory};
 use serde::{Deserialize, Serialize};
 
@@ -118,11 +118,10 @@ fn error_of_mean(values: &[f64], count: u32) -> f64 {
     else {
         return if count > 1 { f64::INFINITY } else { 0.0 };
     };
-    let mean = values.iter().sum::<f64>() / known;
     let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
     let variance = steps.sum::<f64>() / (2.0 * f64::from(degrees));
     let unknown = 1.0 - known / f64::from(count);
-    student(degrees, 0.05) * (variance * unknown / known).sqrt() / mean
+    student(degrees, 0.05) * (variance * unknown / known).sqrt() / mean(values)
 }
 
 #[cfg(test)]
@@ -185,7 +184,6 @@ mod tests {
                 .map(|i| 1.0 + f64::from(i) / 240.0 + noise())
                 .collect();
             let known: Vec<f64> = (0..12).map(|part| all[10 + 20 * part]).collect();
-            let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
             let off = (mean(&known) / mean(&all) - 1.0).abs();
             held += u32::from(off <= error_of_mean(&known, 240));
         }

@@ -5,14 +5,12 @@ use crate::chart::{Axis, Chart, Point, Series};
 use serde::Serialize;
 use std::fs;
 use std::io;
-use std::thread::sleep;
 use std::time::Duration;
 
 const FILE: &str = "manifest.ron";
 
-/// How long a turn is waited for, and how often: a minute, as whoever has it may hang.
-const PAUSE: Duration = Duration::from_millis(20);
-const PATIENCE: u32 = 3000;
+/// How long a turn is waited for.
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// What the frames of a folder say of themselves, by number.
 #[derive(Debug, Serialize)]
@@ -43,14 +41,7 @@ impl Manifest {
     /// seen all of them.
     pub fn update(folder: &FrameFolder) -> io::Result<()> {
         let file = folder.path().join(FILE);
-        let mut turn = PartFile::claim(&file)?;
-        for _ in 0..PATIENCE {
-            if turn.is_some() {
-                break;
-            }
-            sleep(PAUSE);
-            turn = PartFile::claim(&file)?;
-        }
+        let _turn = PartFile::claim_in_turn(&file, PATIENCE)?;
         Manifest::of(folder).write(folder)
     }
 

@@ -4,6 +4,8 @@ use std::hash::{BuildHasher, Hasher};
 use std::io::{self, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 /// A file that is not finished yet, under another name beside its own: `.NAME.part`.
 ///
@@ -19,7 +21,7 @@ pub struct PartFile {
 
 impl PartFile {
     /// The one part of `target` that all who mean to write it agree on; none if somebody else writes it.
-    pub fn claim(target: &Path) -> io::Result<Option<PartFile>> {
+    pub(super) fn claim(target: &Path) -> io::Result<Option<PartFile>> {
         let part = beside(target, "");
         loop {
             match PartFile::open(target, &part)? {
@@ -28,6 +30,18 @@ impl PartFile {
                 Opened::Gone => {}
                 Opened::Lockless(_) => return PartFile::own(target).map(Some),
             }
+        }
+    }
+
+    /// As [`PartFile::claim`], but waits for whoever writes it: so long at most, as they may hang.
+    pub fn claim_in_turn(target: &Path, at_most: Duration) -> io::Result<Option<PartFile>> {
+        let start = Instant::now();
+        loop {
+            let claim = PartFile::claim(target)?;
+            if claim.is_some() || start.elapsed() >= at_most {
+                return Ok(claim);
+            }
+            sleep(Duration::from_millis(20));
         }
     }
 

@@ -25,4 +25,4 @@ pub use pixels::render_pixels;
 pub use reprojection::{Match, Reprojection, TILE};
 pub use sequence::{Claim, EncodedFrame, FrameSink, Observer, Outcome, SinkError, render_sequence};
 pub use settings::{PixelSampling, RenderSettings};
-pub use watch::Watch;
+pub use watch::{Unwatched, Watch};

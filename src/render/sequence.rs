@@ -1,7 +1,7 @@
 use super::frame::{RenderedFrame, render_watched};
 use super::noise::ErrorEstimate;
 use super::settings::RenderSettings;
-use super::watch::Watch;
+use super::watch::{Unwatched, Watch};
 use crate::camera::CameraPath;
 use crate::scene::Scene;
 use std::any::Any;
@@ -56,13 +56,8 @@ pub struct EncodedFrame {
 
 impl EncodedFrame {
     /// How many bytes there are to keep.
-    pub fn len(&self) -> usize {
+    pub fn bytes(&self) -> usize {
         self.picture.len() + self.error_map.as_ref().map_or(0, Vec::len)
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 }
 
@@ -74,6 +69,14 @@ pub trait Observer: Watch {
     fn frame_skipped(&self, frame: u32);
     /// A frame is not there, before or after it was rendered.
     fn frame_failed(&self, frame: u32, error: &SinkError);
+}
+
+impl Observer for Unwatched {
+    fn frame_kept(&self, _: u32) {}
+
+    fn frame_skipped(&self, _: u32) {}
+
+    fn frame_failed(&self, _: u32, _: &SinkError) {}
 }
 
 /// How a sequence went.
@@ -217,7 +220,7 @@ impl<Sink: FrameSink> Run<'_, Sink> {
             return Ok(Fate::Stopped);
         };
         let encoded = encoded?;
-        counted.bytes = encoded.len() as u64;
+        counted.bytes = encoded.bytes() as u64;
         self.sink.keep(frame, place, &encoded)?;
         Ok(Fate::Kept(counted))
     }

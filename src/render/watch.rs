@@ -6,8 +6,9 @@ pub trait Watch: Sync {
     fn is_stopped(&self) -> bool;
 }
 
-/// Nobody watches.
-pub(super) struct Unwatched;
+/// Nobody watches: nothing is heard and nothing stopped.
+#[derive(Clone, Copy, Debug)]
+pub struct Unwatched;
 
 impl Watch for Unwatched {
     fn tile_done(&self, _: u64) {}

@@ -33,7 +33,8 @@ impl PartFile {
         }
     }
 
-    /// As [`PartFile::claim`], but waits for whoever writes it: so long at most, as they may hang.
+    /// The one part of `target` that all who mean to write it agree on. Whoever else writes it is waited for, so long
+    /// at most, as they may hang; none if they still do.
     pub fn claim_in_turn(target: &Path, at_most: Duration) -> io::Result<Option<PartFile>> {
         let start = Instant::now();
         loop {

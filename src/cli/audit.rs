@@ -1,13 +1,10 @@
 use super::args::AuditArguments;
 use super::interrupt::Interrupt;
-use super::progress::{SequenceProgress, Steps};
 use super::recorded::job_of;
 use super::verify::prove;
 use super::{Failure, Status};
 use crate::output::FrameFolder;
-use crate::render::{
-    Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError, render_sequence, tile_count,
-};
+use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
 use std::fs;
 use std::io::Write;
 use std::path::absolute;
@@ -35,23 +32,8 @@ pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<St
     }
     job.bake(arguments.quiet)?;
 
-    let steps = match job.settings.target_error {
-        Some(_) => Steps::Frames,
-        None => Steps::Tiles(tile_count(&job.settings)),
-    };
-    interrupt.wait_to_be_asked();
     let shown = arguments.progress.shown(arguments.quiet);
-    let progress = SequenceProgress::new(sample.len() as u64, steps, shown, interrupt);
-    let outcome = render_sequence(
-        &job.loaded.scene.scene,
-        &job.loaded.path.path,
-        &job.settings,
-        &sample,
-        &job.loaded.pool,
-        &Comparison(&folder),
-        &progress,
-    );
-    progress.finish();
+    let outcome = job.render(&sample, &Comparison(&folder), shown, interrupt);
     if !arguments.quiet {
         // Nobody has to read it: the exit status says what matters.
         let _ = writeln!(

@@ -1,11 +1,15 @@
 use super::Failure;
 use super::args::JobArguments;
+use super::interrupt::Interrupt;
 use super::light::{LightStore, PathLight};
 use super::loading::{Loaded, load};
+use super::progress::{SequenceProgress, Shown, Steps};
 use crate::forecast::Stage;
 use crate::input::{GlobalIllumination, Settings};
-use crate::output::{FrameFolder, FrameFormat, Plan, PlanCommand};
-use crate::render::{PixelSampling, RenderSettings};
+use crate::output::{FrameFormat, Plan, PlanCommand};
+use crate::render::{
+    FrameSink, Outcome, PixelSampling, RenderSettings, render_sequence, tile_count,
+};
 use std::path::Path;
 
 /// Everything that decides the frames of a sequence: inputs loaded, settings resolved.
@@ -116,13 +120,41 @@ impl Job {
         })
     }
 
+    /// Renders frames for a sink, and shows how it goes on; the first signal from now on only asks for an end.
+    pub(super) fn render<Sink: FrameSink>(
+        &self,
+        frames: &[u32],
+        sink: &Sink,
+        shown: Shown,
+        interrupt: Interrupt,
+    ) -> Outcome {
+        // How many samples a frame will need until it is good enough nobody knows: it counts as a whole.
+        let steps = match self.settings.target_error {
+            Some(_) => Steps::Frames,
+            None => Steps::Tiles(tile_count(&self.settings)),
+        };
+        interrupt.wait_to_be_asked();
+        let progress = SequenceProgress::new(frames.len() as u64, steps, shown, interrupt);
+        let outcome = render_sequence(
+            &self.loaded.scene.scene,
+            &self.loaded.path.path,
+            &self.settings,
+            frames,
+            &self.loaded.pool,
+            sink,
+            &progress,
+        );
+        progress.finish();
+        outcome
+    }
+
     /// What a forecast renders frames of.
-    pub(super) fn stage<'a>(&'a self, folder: &'a FrameFolder) -> Stage<'a> {
+    pub(super) fn stage<'a>(&'a self, plan: &'a Plan) -> Stage<'a> {
         Stage {
             scene: &self.loaded.scene.scene,
             path: &self.loaded.path.path,
             pool: &self.loaded.pool,
-            folder,
+            plan,
         }
     }
 }

@@ -1,5 +1,6 @@
-use super::args::{ListFormatArgument, MissingArguments};
+use super::args::MissingArguments;
 use super::frames::ranges;
+use super::values::ListFormatArgument;
 use super::verify::prove;
 use super::{Failure, Status};
 use crate::output::FrameFolder;

@@ -17,6 +17,7 @@ mod recorded;
 mod render;
 mod report;
 mod selftest;
+mod values;
 mod verify;
 
 use args::{Arguments, Command};

@@ -1,5 +1,5 @@
-use super::args::ProgressArgument;
 use super::interrupt::Interrupt;
+use super::values::ProgressArgument;
 use crate::render::{Observer, SinkError, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};

@@ -14,6 +14,9 @@ use std::time::Duration;
 pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
     let out = arguments.out.as_deref();
     let mut job = Job::new(&arguments.job, out, false)?;
+    if let Some(out) = out {
+        make(out)?;
+    }
     let kept = Kept::new(&mut job, arguments.budget, out, arguments.quiet)?;
     let frames: Vec<u32> = (0..job.frame_count()).collect();
     let quote = &kept.quote;
@@ -64,16 +67,13 @@ impl Kept {
     const FILE: &str = "quote.ron";
 
     /// Renders a few frames of a job, gives it the samples that a budget allows, and keeps what is expected beside
-    /// the frames.
+    /// the frames, in a folder that is there.
     pub(super) fn new(
         job: &mut Job,
         budget: Option<Duration>,
         out: Option<&Path>,
         quiet: bool,
     ) -> Result<Kept, Failure> {
-        if let Some(out) = out {
-            fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
-        }
         if budget.is_some() && job.settings.target_error.is_some() {
             return Err(
                 "--budget: the target error of the scene or the path decides on samples".into(),
@@ -81,17 +81,17 @@ impl Kept {
         }
         job.bake(quiet)?;
         let memory = resident().map_or(0.0, |[now, _]| now);
-        let folder = FrameFolder::new(Path::new(""), job.plan()?, true);
+        let plan = job.plan()?;
         let (quote, choice) = match budget {
             // What was chosen before stays: frames are made of it.
             None => {
                 let choice = out.and_then(Kept::read).and_then(|kept| kept.choice);
-                let quote = Quote::new(job.stage(&folder), &job.settings, memory);
+                let quote = Quote::new(job.stage(&plan), &job.settings, memory);
                 (quote, choice)
             }
             Some(budget) => {
                 let seconds = budget.as_secs_f64();
-                let within = samples_within(job.stage(&folder), &job.settings, seconds, memory);
+                let within = samples_within(job.stage(&plan), &job.settings, seconds, memory);
                 let (samples, quote) = within.ok_or_else(|| {
                     let budget = clock(budget);
                     format!("--budget: one sample of each pixel takes longer than {budget}")
@@ -150,7 +150,7 @@ pub(super) fn keep_within(
     out: &Path,
     quiet: bool,
 ) -> Result<(), Failure> {
-    fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()))?;
+    make(out)?;
     if choose_again(job, budget, out)? {
         return Ok(());
     }
@@ -205,6 +205,11 @@ pub(super) fn score(
         lines += &format!("\nquoted {memory} of memory: {}", off(quote.memory, most));
     }
     Some(lines)
+}
+
+/// Makes a folder if it is not there.
+fn make(out: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()).into())
 }
 
 /// A hash of what all frames are to be made from.

@@ -1,13 +1,14 @@
-use super::args::{OrderArgument, PrepareArgument, RenderArguments};
+use super::args::RenderArguments;
 use super::frames::coarse_to_fine;
 use super::interrupt::Interrupt;
 use super::job::Job;
-use super::progress::{SequenceProgress, Steps, clock, rays_per_second};
+use super::progress::{clock, rays_per_second};
 use super::quote::{keep_within, score};
+use super::values::{OrderArgument, PrepareArgument};
 use super::verify::prove;
 use super::{Failure, Status, warn};
 use crate::output::{Fault, FrameFolder, Manifest};
-use crate::render::{ErrorEstimate, Outcome, render_sequence, tile_count};
+use crate::render::{ErrorEstimate, Outcome};
 use std::io::Write;
 use std::time::{Duration, Instant};
 
@@ -46,41 +47,22 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         coarse_to_fine(&mut missing, count);
     }
 
-    let Job {
-        loaded, settings, ..
-    } = job;
-    // How many samples a frame will need until it is good enough nobody knows: it counts as a whole.
-    let steps = match settings.target_error {
-        Some(_) => Steps::Frames,
-        None => Steps::Tiles(tile_count(&settings)),
-    };
     let shown = arguments.progress.shown(arguments.quiet);
-    interrupt.wait_to_be_asked();
-    let progress = SequenceProgress::new(missing.len() as u64, steps, shown, interrupt);
     let start = Instant::now();
-    let outcome = render_sequence(
-        &loaded.scene.scene,
-        &loaded.path.path,
-        &settings,
-        &missing,
-        &loaded.pool,
-        &folder,
-        &progress,
-    );
-    progress.finish();
+    let outcome = job.render(&missing, &folder, shown, interrupt);
     let elapsed = start.elapsed();
 
     let is_listed = missing.is_empty() && Manifest::is_right(&folder) || list(&folder);
     if !arguments.quiet {
         let there = frames.len() - missing.len();
         summarise(&outcome, elapsed, there as u32, &folder);
-        let threads = loaded.pool.current_num_threads();
+        let threads = job.loaded.pool.current_num_threads();
         if let Some(score) = score(&folder, &missing, &outcome, threads, elapsed) {
             // As the summary.
             let _ = writeln!(std::io::stdout(), "{score}");
         }
     }
-    warn(&shortcomings(&outcome, settings.target_error));
+    warn(&shortcomings(&outcome, job.settings.target_error));
     let is_anothers = folder.has_another_plan();
     if is_anothers {
         warn(&[format!(

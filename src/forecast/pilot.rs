@@ -1,5 +1,5 @@
 use crate::camera::CameraPath;
-use crate::output::FrameFolder;
+use crate::output::Plan;
 use crate::render::{
     Claim, EncodedFrame, FrameSink, RenderSettings, RenderedFrame, SinkError, Unwatched,
     render_sequence,
@@ -37,8 +37,8 @@ pub struct Stage<'a> {
     pub path: &'a CameraPath,
     /// Threads.
     pub pool: &'a rayon::ThreadPool,
-    /// Encodes the frames.
-    pub folder: &'a FrameFolder,
+    /// What the frames are to be.
+    pub plan: &'a Plan,
 }
 
 /// A few frames of a sequence, rendered for what they cost: as they will be, or smaller.
@@ -134,7 +134,7 @@ impl Stage<'_> {
     /// Renders frames as a sequence. Each has its share of the seconds by the rays that it took.
     fn measure(&self, settings: &RenderSettings, frames: &[u32]) -> Vec<PilotFrame> {
         let scale = Scale {
-            folder: self.folder,
+            plan: self.plan,
             weighed: Mutex::default(),
         };
         let start = Instant::now();
@@ -156,7 +156,7 @@ impl Stage<'_> {
 
 /// Weighs frames in place of keeping them: number, rays and bytes.
 struct Scale<'a> {
-    folder: &'a FrameFolder,
+    plan: &'a Plan,
     weighed: Mutex<Vec<(u32, u64, usize)>>,
 }
 
@@ -169,7 +169,7 @@ impl FrameSink for Scale<'_> {
 
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
         let rays = rendered.rays;
-        let encoded = self.folder.encode(frame, rendered)?;
+        let encoded = self.plan.encode(frame, rendered)?;
         let weight = (frame, rays, encoded.bytes());
         self.weighed.lock().expect("no holder panics").push(weight);
         Ok(encoded)

@@ -2,8 +2,7 @@ use super::fault::{Expected, Fault};
 use super::format::FrameFormat;
 use super::part_file::{PartFile, remove_leftovers, try_out, write_whole};
 use super::plan::Plan;
-use super::record::{FrameError, FrameRecord};
-use crate::film::Film;
+use super::record::FrameRecord;
 use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
 use std::collections::HashSet;
 use std::fs::{self, File};
@@ -271,22 +270,18 @@ impl FrameSink for FrameFolder {
             let folder = self.folder.display();
             return Err(format!("{folder}: is of another sequence by now; use two folders").into());
         }
-        let claim = |file: &Path| -> io::Result<Option<PartFile>> {
-            let part = match insists {
-                true => Some(PartFile::own(file)?),
-                false => PartFile::claim(file)?,
-            };
-            // What there is no room for need not be rendered.
-            part.iter()
-                .try_for_each(|part| part.reserve(self.bound(self.plan.format)))?;
-            Ok(part)
-        };
-        let file = self.file_of(frame);
         let named = |file: &Path, error| format!("{}: cannot be written: {error}", file.display());
-        let picture = claim(&file).map_err(|error| named(&file, error))?;
-        let Some(picture) = picture else {
+        // What there is no room for need not be rendered.
+        let with_room = |part: PartFile, format| part.reserve(self.bound(format)).map(|()| part);
+        let file = self.file_of(frame);
+        let part = match insists {
+            true => PartFile::own(&file).map(Some),
+            false => PartFile::claim(&file),
+        };
+        let Some(part) = part.map_err(|error| named(&file, error))? else {
             return Ok(Claim::Busy);
         };
+        let picture = with_room(part, self.plan.format).map_err(|error| named(&file, error))?;
         if !self.force && self.prove(frame).is_ok() {
             return Ok(Claim::Kept);
         }
@@ -294,43 +289,14 @@ impl FrameSink for FrameFolder {
         if self.plan.error_maps {
             let file = self.map_of(frame);
             // Whoever holds the frame need not ask for its map.
-            let part = PartFile::own(&file).and_then(|part| {
-                part.reserve(self.bound(FrameFormat::Exr))?;
-                Ok(part)
-            });
+            let part = PartFile::own(&file).and_then(|part| with_room(part, FrameFormat::Exr));
             error_map = Some(part.map_err(|error| named(&file, error))?);
         }
         Ok(Claim::Granted(Place { picture, error_map }))
     }
 
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
-        let RenderedFrame {
-            mut film,
-            deviation,
-            error,
-            ..
-        } = rendered;
-        if self.plan.format != FrameFormat::Exr {
-            film.expose(self.plan.exposure);
-        }
-        let error = error.map(FrameError::from);
-        let encode = |format: FrameFormat, film: &Film| -> Result<Vec<u8>, SinkError> {
-            let picture = format.picture(film);
-            let record = FrameRecord {
-                frame,
-                made_from: self.plan.made_from[frame as usize].clone(),
-                pixels: picture.hash().to_string(),
-                error,
-            };
-            Ok(format.encode(&picture, &record.to_text()?)?)
-        };
-        let picture = encode(self.plan.format, &film)?;
-        let wanted = deviation.filter(|_| self.plan.error_maps);
-        let error_map = wanted.map(|map| encode(FrameFormat::Exr, &magnitude(map)));
-        Ok(EncodedFrame {
-            picture,
-            error_map: error_map.transpose()?,
-        })
+        self.plan.encode(frame, rendered)
     }
 
     fn keep(&self, frame: u32, place: Place, encoded: &EncodedFrame) -> Result<(), SinkError> {
@@ -345,13 +311,6 @@ impl FrameSink for FrameFolder {
         }
         Ok(keep(self.file_of(frame), place.picture, &encoded.picture)?)
     }
-}
-
-fn magnitude(mut film: Film) -> Film {
-    for pixel in film.pixels_mut() {
-        *pixel = pixel.abs();
-    }
-    film
 }
 
 /// Removes a file that would no longer be true, if it is there.

@@ -172,16 +172,7 @@ pub fn try_out(file: &Path) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn names(folder: &Path) -> Vec<String> {
-        let entries = fs::read_dir(folder).expect("there");
-        let name = |e: io::Result<fs::DirEntry>| e.expect("entry").file_name();
-        let mut names: Vec<String> = entries
-            .map(|e| name(e).to_string_lossy().into_owned())
-            .collect();
-        names.sort();
-        names
-    }
+    use crate::output::tests::names;
 
     #[test]
     fn a_claim_is_one_persons_until_it_ends() {

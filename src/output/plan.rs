@@ -1,4 +1,7 @@
 use super::format::FrameFormat;
+use super::record::{FrameError, FrameRecord};
+use crate::film::Film;
+use crate::render::{EncodedFrame, RenderedFrame, SinkError};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
@@ -57,6 +60,37 @@ impl Plan {
         } == *other
     }
 
+    /// What is to be kept of a frame, with the record that proves it.
+    pub fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
+        let RenderedFrame {
+            mut film,
+            deviation,
+            error,
+            ..
+        } = rendered;
+        if self.format != FrameFormat::Exr {
+            film.expose(self.exposure);
+        }
+        let error = error.map(FrameError::from);
+        let encode = |format: FrameFormat, film: &Film| -> Result<Vec<u8>, SinkError> {
+            let picture = format.picture(film);
+            let record = FrameRecord {
+                frame,
+                made_from: self.made_from[frame as usize].clone(),
+                pixels: picture.hash().to_string(),
+                error,
+            };
+            Ok(format.encode(&picture, &record.to_text()?)?)
+        };
+        let picture = encode(self.format, &film)?;
+        let wanted = deviation.filter(|_| self.error_maps);
+        let error_map = wanted.map(|map| encode(FrameFormat::Exr, &magnitude(map)));
+        Ok(EncodedFrame {
+            picture,
+            error_map: error_map.transpose()?,
+        })
+    }
+
     pub(super) fn to_text(&self) -> Result<String, ron::Error> {
         let pretty = ron::ser::PrettyConfig::new().struct_names(true);
         ron::ser::to_string_pretty(self, pretty)
@@ -70,4 +104,11 @@ impl Plan {
             false => Err("it does not list as many frames as it says there are".to_owned()),
         }
     }
+}
+
+fn magnitude(mut film: Film) -> Film {
+    for pixel in film.pixels_mut() {
+        *pixel = pixel.abs();
+    }
+    film
 }

@@ -50,7 +50,8 @@ fn keep(folder: &FrameFolder, frame: u32) -> Result<(), SinkError> {
     folder.keep(frame, place, &encoded)
 }
 
-fn names(folder: &Path) -> Vec<String> {
+/// The names of all files in a folder, in order.
+pub(super) fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).expect("there");
     let names = entries.map(|e| e.expect("entry").file_name().to_string_lossy().into_owned());
     let mut names: Vec<String> = names.collect();

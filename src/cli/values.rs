@@ -1,0 +1,149 @@
+//! What options take: names, times, sizes and shares, as people write them.
+
+use crate::output::FrameFormat;
+use clap::ValueEnum;
+use std::str::FromStr;
+use std::time::Duration;
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum FormatArgument {
+    /// 8 bits, sRGB
+    Png,
+    /// 16 bits, sRGB
+    Png16,
+    /// 32-bit floats, linear
+    Exr,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum AovArgument {
+    /// The error of every pixel
+    Error,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum OrderArgument {
+    /// As they are listed
+    Sequential,
+    /// A few, spread over the path, then those between, and so on: what is there of an interrupted run can be
+    /// watched, and the forecast soon knows all of the path
+    CoarseToFine,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum PrepareArgument {
+    /// Write down what the frames are to be, so that verify and missing know
+    Plan,
+    /// The same, and work out the light of --gi path if it is needed
+    Light,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum ProgressArgument {
+    /// A bar on a terminal, a line a minute elsewhere
+    Auto,
+    /// The lines that Open Job Description reads, on stdout
+    Openjd,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum ListFormatArgument {
+    /// One frame a line
+    List,
+    /// Tasks of a Slurm array, as in 0,3-5
+    Slurm,
+    /// Frames and ranges, as in 0,3-5, for Open Job Description and for --frames
+    Openjd,
+}
+
+impl From<FormatArgument> for FrameFormat {
+    fn from(format: FormatArgument) -> FrameFormat {
+        match format {
+            FormatArgument::Png => FrameFormat::Png,
+            FormatArgument::Png16 => FrameFormat::Png16,
+            FormatArgument::Exr => FrameFormat::Exr,
+        }
+    }
+}
+
+/// A time as people write it.
+pub(super) fn parse_time(text: &str) -> Result<Duration, String> {
+    let time = humantime::parse_duration(text).map_err(|error| error.to_string())?;
+    match time.is_zero() {
+        true => Err("there is no time in it".to_owned()),
+        false => Ok(time),
+    }
+}
+
+/// How many of a number of things.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum SampleSize {
+    /// A share of them, of 1.
+    Share(f64),
+    Count(u32),
+}
+
+impl FromStr for SampleSize {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<SampleSize, String> {
+        let wrong = || "write a number, as in 5, or a share, as in 1%".to_owned();
+        match text.strip_suffix('%') {
+            Some(share) => {
+                let share: f64 = share.parse().map_err(|_| wrong())?;
+                let is_share = share > 0.0 && share <= 100.0;
+                is_share
+                    .then_some(SampleSize::Share(share / 100.0))
+                    .ok_or_else(wrong)
+            }
+            None => text.parse().map(SampleSize::Count).map_err(|_| wrong()),
+        }
+    }
+}
+
+impl SampleSize {
+    /// How many of `all`, 1 at least.
+    pub(super) fn of(self, all: usize) -> usize {
+        let count = match self {
+            SampleSize::Share(share) => (share * all as f64).ceil() as usize,
+            SampleSize::Count(count) => count as usize,
+        };
+        count.clamp(1, all.max(1))
+    }
+}
+
+pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    let parts = text.split_once(['x', 'X']);
+    let numbers = parts.and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    numbers.ok_or_else(|| "write columns and rows, as in 1280x720".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_and_samples() {
+        assert_eq!(parse_time("1h 30min"), Ok(Duration::from_secs(5400)));
+        for wrong in ["2", "h", "-1h", "0s", ""] {
+            assert!(parse_time(wrong).is_err(), "{wrong}");
+        }
+        let of = |text: &str, all| text.parse::<SampleSize>().map(|size| size.of(all));
+        assert_eq!(of("1%", 240), Ok(3));
+        assert_eq!(of("100%", 240), Ok(240));
+        assert_eq!(of("5", 240), Ok(5));
+        assert_eq!(of("5", 3), Ok(3));
+        assert_eq!(of("0", 3), Ok(1));
+        for wrong in ["0%", "101%", "NaN%", "-1", "1.5", "%"] {
+            assert!(of(wrong, 9).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn sizes() {
+        assert_eq!(parse_size("1280x720"), Ok((1280, 720)));
+        for wrong in ["1280", "x", "12x", "-1x2", "1.5x2", "1x2x3"] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+    }
+}

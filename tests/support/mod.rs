@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test program uses its part")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+pub(crate) mod project;
 pub(crate) mod statistics;
 
 use flythrough::camera::{Camera, CameraPath};

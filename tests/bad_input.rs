@@ -83,6 +83,15 @@ fn scenes() {
 #[test]
 fn paths() {
     let one = |fields: &str| path(&format!("(time: 0, {fields})"));
+    let two = |first: &str, second: &str| {
+        let key = |time: u32, more: &str| {
+            let fov = 50 + time;
+            format!(
+                "(time: {time}, position: (0, 0, {time}), rotation: (0, 0, 0), fov: {fov}, {more})"
+            )
+        };
+        path(&format!("{}, {}", key(0, first), key(1, second)).replace(", )", ")"))
+    };
     let cases = [
         (
             path(""),
@@ -94,11 +103,11 @@ fn paths() {
         ),
         (
             one("position: (0, 0, 0), fov: 50"),
-            "keyframes[0]: give either `look_at: (x, y, z)` or `rotation: (x, y, z)`",
+            "keyframes[0]: give one of `look_at: (x, y, z)`, `yaw_pitch_roll",
         ),
         (
             one("position: (0, 0, 0), look_at: (0, 0, 1), rotation: (0, 0, 0), fov: 50"),
-            "give either",
+            "give one of",
         ),
         (
             one("position: (0, 0, 0), look_at: (0, 0, 0), fov: 50"),
@@ -125,8 +134,56 @@ fn paths() {
             "fps: 0 is not a number above 0",
         ),
         (
-            format!("CameraPath(fps: 24, speed: 1, keyframes: [{KEY}])"),
-            "field named `speed`",
+            format!("CameraPath(fps: 24, pace: 1, keyframes: [{KEY}])"),
+            "field named `pace`",
+        ),
+        (
+            one("position: (0, 0, 0), quaternion: (1, 0, 0, 1), fov: 50"),
+            "keyframes[0].quaternion: (1, 0, 0, 1) is not of length 1",
+        ),
+        (
+            one("position: (0, 0, 0), quaternion: (0, 0, 0, NaN), fov: 50"),
+            "keyframes[0].quaternion: (0, 0, 0, NaN) is not of length 1",
+        ),
+        (
+            one("position: (0, 0, 0), rotation: (0, 0, 0), roll: 5, fov: 50"),
+            "keyframes[0].roll: goes with look_at",
+        ),
+        (
+            one("position: (0, 0, 0), rotation: (0, 0, 0), velocity: (0, 0, 1), fov: 50"),
+            "keyframes[0].velocity: is of no use",
+        ),
+        (
+            two("interpolation: bezier, handle_out: (0, 0, 1)", ""),
+            "keyframes[1].handle_in: is missing, and `interpolation: bezier` needs it",
+        ),
+        (
+            two(
+                "interpolation: hermite, velocity: (inf, 0, 1)",
+                "velocity: (0, 0, 0)",
+            ),
+            "keyframes[0].velocity: (inf, 0, 1)",
+        ),
+        (two("interpolation: cubic", ""), "p.ron:1:"),
+        (
+            two("", "").replace("fps: 24", "fps: 24, closed: true"),
+            "keyframes: a closed path's last key repeats its first, to say when; they differ in position",
+        ),
+        (
+            two("", "").replace("fps: 24", "fps: 24, ease_in: 0.5, ease_out: 0.6"),
+            "keyframes: ease_in and ease_out take 1.1 s together, and the path lasts 1 s",
+        ),
+        (
+            two("", "").replace("fps: 24", "fps: 24, ease_in: -1"),
+            "ease_in: -1 is not between 0",
+        ),
+        (
+            two("ease: in_out", "").replace("fps: 24", "fps: 24, speed: constant"),
+            "keyframes: key 0 eases, and the whole path is to be at one speed",
+        ),
+        (
+            two("", "").replace("0, 0, 0), fov: 51", "0, 180, 0), fov: 51"),
+            "keyframes: key 1 is half a turn from the key before it",
         ),
         (
             "CameraPath(fps: 24, keyframes: [(time: \"0\")])".to_owned(),

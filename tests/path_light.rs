@@ -4,7 +4,7 @@
 mod support;
 
 use flythrough::bake::bake;
-use flythrough::camera::{CameraPath, Interpolation, Keyframe, Orientation};
+use flythrough::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
 use flythrough::integrator::Integrator;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
 use flythrough::render::{RenderSettings, light_errors, render_pixels};
@@ -20,11 +20,12 @@ fn glide(eyes: [DVec3; 2], target: DVec3) -> CameraPath {
     let key = |(time, position): (f64, DVec3)| Keyframe {
         time,
         position,
-        orientation: Orientation::LookAt(target),
+        orientation: Orientation::LookAt { target, roll: 0.0 },
         field_of_view: 60_f64.to_radians(),
+        segment: Segment::of(Shape::Linear),
     };
     let keys: Vec<Keyframe> = [0.0, 1.0].into_iter().zip(eyes).map(key).collect();
-    CameraPath::new(8.0, Interpolation::Linear, &keys).unwrap()
+    CameraPath::new(8.0, &keys, &Pace::BY_KEYS).unwrap()
 }
 
 /// From the left to the right of `scenes/test3.ron`.

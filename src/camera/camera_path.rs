@@ -1,136 +1,109 @@
-use super::curve::{Segment, SmoothCurve, find_segment};
+use super::error::PathError;
+use super::keyframe::{Keyframe, Orientation, Pace, Segment, Shape, Speed};
+use super::look_at::{is_flipped, look_at};
+use super::ramp::Ramp;
+use super::rotation::{roll, yaw_pitch_roll};
+use super::track::{Course, Form, Place, Track};
+use super::value::Value;
+use super::walk::Walk;
 use super::{Camera, Timeline};
 use glam::{DMat3, DQuat, DVec3};
-use thiserror::Error;
-
-/// Where the camera is at one time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Keyframe {
-    /// Seconds.
-    pub time: f64,
-    /// The eye, in world coordinates.
-    pub position: DVec3,
-    /// Where it looks.
-    pub orientation: Orientation,
-    /// Vertical field of view in radians, between 0 and pi.
-    pub field_of_view: f64,
-}
-
-/// Where a camera looks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Orientation {
-    /// At a point in world coordinates, with +Y up.
-    LookAt(DVec3),
-    /// Camera to world; without rotation the camera looks along -Z with +Y up.
-    Rotation(DQuat),
-}
-
-/// How a path goes from key to key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Interpolation {
-    /// Straight, at an even pace.
-    Linear,
-    /// On a smooth curve without stops.
-    CatmullRom,
-}
-
-/// Why keys do not make a path.
-#[derive(Clone, Copy, Debug, Error, PartialEq)]
-#[expect(missing_docs, reason = "each variant is described by its message")]
-pub enum PathError {
-    #[error("there are none; write at least one")]
-    NoKeys,
-    #[error("key {key}, at {time} s, is not after the key before it; times must rise")]
-    TimesDoNotRise { key: usize, time: f64 },
-    #[error(
-        "at {time} s (frame {frame}) the camera is at its look_at point; move one of them, or give \
-         `rotation` instead"
-    )]
-    LooksAtItself { frame: u32, time: f64 },
-    #[error(
-        "at {time} s (frame {frame}) the camera looks straight up or down, where look_at leaves \
-         its roll open; give `rotation` instead"
-    )]
-    LooksVertically { frame: u32, time: f64 },
-}
 
 /// A camera for every frame. The camera of a frame depends on the frame's number alone.
 ///
-/// Position and look_at point are interpolated each on its own; rotations turn the short way at
-/// an even pace. The focal length is interpolated by its logarithm, so that a zoom magnifies
-/// evenly.
+/// It passes through every key, by default at its time, and its velocity, angular velocity and zoom do not jump
+/// there where both segments are smooth. Position, look_at point, angles and rotation are each interpolated on
+/// their own; rotations turn the short way. The focal length is interpolated by its logarithm, so that a zoom
+/// magnifies evenly.
 #[derive(Clone, Debug)]
 pub struct CameraPath {
     timeline: Timeline,
-    positions: Track<DVec3>,
+    ramp: Ramp,
+    walk: Walk,
     aim: Aim,
     log_half_heights: Track<f64>,
+    /// When each key is passed.
+    keys: Vec<f64>,
+    /// When the camera jumps.
+    cuts: Vec<f64>,
 }
 
+/// What decides where the camera looks.
 #[derive(Clone, Debug)]
 enum Aim {
-    Points(Track<DVec3>),
-    Rotations(Vec<f64>, Vec<DQuat>),
-}
-
-#[derive(Clone, Debug)]
-enum Track<T> {
-    Linear(Vec<f64>, Vec<T>),
-    Smooth(SmoothCurve<T>),
-}
-
-impl Camera {
-    /// One at `eye` that looks at `target`, its vertical field of view in radians. Refuses what a key of a
-    /// camera path may not be, either.
-    pub fn look_at(eye: DVec3, target: DVec3, field_of_view: f64) -> Result<Camera, PathError> {
-        let key = Keyframe {
-            time: 0.0,
-            position: eye,
-            orientation: Orientation::LookAt(target),
-            field_of_view,
-        };
-        let path = CameraPath::new(1.0, Interpolation::Linear, &[key])?;
-        Ok(path.camera(0))
-    }
+    Points {
+        targets: Track<DVec3>,
+        rolls: Track<f64>,
+    },
+    Angles(Track<DVec3>),
+    Rotations(Track<DQuat>),
 }
 
 impl CameraPath {
-    /// Checks the keys and the camera of every frame. If all keys look at points, the point moves;
-    /// otherwise all are turned into rotations.
-    pub fn new(
-        fps: f64,
-        interpolation: Interpolation,
-        keys: &[Keyframe],
-    ) -> Result<CameraPath, PathError> {
-        let (Some(first), Some(last)) = (keys.first(), keys.last()) else {
-            return Err(PathError::NoKeys);
-        };
-        if let Some(i) = keys.windows(2).position(|k| k[1].time <= k[0].time) {
-            return Err(PathError::TimesDoNotRise {
-                key: i + 1,
-                time: keys[i + 1].time,
-            });
-        }
+    /// Checks the keys and the camera of every frame. If all keys look at points, the point moves; if all have
+    /// angles, these change; otherwise all are turned into rotations.
+    pub fn new(fps: f64, keys: &[Keyframe], pace: &Pace) -> Result<CameraPath, PathError> {
+        check(keys, pace)?;
+        let times: Vec<f64> = keys.iter().map(|key| key.time).collect();
         let timeline = Timeline {
             fps,
-            start: first.time,
-            end: last.time,
+            start: times[0],
+            end: times[times.len() - 1],
+            closed: pace.closed,
         };
-        let times: Vec<f64> = keys.iter().map(|k| k.time).collect();
+        let segments: Vec<Segment> = keys.iter().map(|key| key.segment).collect();
+        let segments = &segments[..keys.len() - 1];
+        let position = |key: &Keyframe| key.position;
+        let given = segments.iter().map(|segment| match segment.shape {
+            Shape::Cubic(start, end) => course(segment, Form::Given([start, end])),
+            _ => own_course(segment),
+        });
+        let courses: Vec<Course<DVec3>> = given.collect();
+        let positions = Track::new(
+            &times,
+            keys.iter().map(position).collect(),
+            &courses,
+            pace.closed,
+        );
+        let walk = match pace.speed {
+            Speed::ByKeys => Walk::by_keys(&times, positions),
+            Speed::Constant => Walk::at_constant_speed(&times, positions),
+        };
+        let tracks = Tracks {
+            times: walk.times(),
+            segments,
+            closed: pace.closed,
+        };
+        let duration = timeline.end - timeline.start;
+        let share = |seconds: f64| {
+            if duration > 0.0 {
+                seconds / duration
+            } else {
+                0.0
+            }
+        };
+        let ramp = Ramp::new(share(pace.ease_in), share(pace.ease_out));
+        let passed = |time: &f64| {
+            let way = share(time - timeline.start);
+            timeline.start + duration * ramp.time(way)
+        };
+        let passed: Vec<f64> = match ramp.is_flat() {
+            true => walk.times().to_vec(),
+            false => walk.times().iter().map(passed).collect(),
+        };
+        let cuts = segments.iter().zip(&passed[1..]);
+        let cuts = cuts.filter(|(segment, _)| segment.shape == Shape::Hold);
+        let half_height = |key: &Keyframe| libm::log(libm::tan(0.5 * key.field_of_view));
         let path = CameraPath {
             timeline,
-            positions: Track::new(interpolation, &times, keys.iter().map(|k| k.position)),
-            aim: Aim::new(interpolation, &times, keys, &timeline)?,
-            log_half_heights: Track::new(
-                interpolation,
-                &times,
-                keys.iter()
-                    .map(|k| libm::log(libm::tan(0.5 * k.field_of_view))),
-            ),
+            ramp,
+            aim: Aim::new(keys, &tracks, &timeline)?,
+            log_half_heights: tracks.through(keys.iter().map(half_height)),
+            cuts: cuts.map(|(_, time)| *time).collect(),
+            keys: passed,
+            walk,
         };
-        for frame in 0..timeline.frame_count() {
-            path.try_camera(frame)?;
-        }
+        path.check_frames()?;
         Ok(path)
     }
 
@@ -139,246 +112,208 @@ impl CameraPath {
         &self.timeline
     }
 
+    /// When the camera passes each key, in seconds; rising, the first and the last at the ends of the timeline.
+    pub fn keys(&self) -> &[f64] {
+        &self.keys
+    }
+
+    /// Whether the path goes on at its first frame after its last.
+    pub fn is_closed(&self) -> bool {
+        self.timeline.closed
+    }
+
+    /// Whether the camera jumps between a frame and the next, after the last frame of a closed path to the first.
+    pub fn is_cut(&self, frame: u32) -> bool {
+        let next = if frame + 1 < self.timeline.frame_count() {
+            self.timeline.time_of(frame + 1)
+        } else {
+            self.timeline.end
+        };
+        let here = self.timeline.time_of(frame);
+        self.cuts.iter().any(|&cut| here < cut && cut <= next)
+    }
+
     /// The camera of a frame, below the timeline's frame count.
     pub fn camera(&self, frame: u32) -> Camera {
-        self.try_camera(frame)
+        self.camera_at(self.timeline.time_of(frame), frame)
             .expect("every frame was checked when the path was made")
     }
 
-    fn try_camera(&self, frame: u32) -> Result<Camera, PathError> {
-        let time = self.timeline.time_of(frame);
-        let position = self.positions.at(time);
+    /// The camera at a time between the first and the last key. An error is about a frame.
+    pub(super) fn camera_at(&self, time: f64, frame: u32) -> Result<Camera, PathError> {
+        let place = Place::of(self.walk.times(), self.before_ramp(time));
+        let position = self.walk.position(place);
         let rotation = match &self.aim {
-            Aim::Points(points) => look_at(position, points.at(time), frame, time)?,
-            Aim::Rotations(times, rotations) => {
-                DMat3::from_quat(rotation_at(times, rotations, time))
+            Aim::Points { targets, rolls } => {
+                look_at(position, targets.at(place), frame, time)? * roll(rolls.at(place))
             }
+            Aim::Angles(angles) => yaw_pitch_roll(angles.at(place)),
+            Aim::Rotations(rotations) => DMat3::from_quat(rotations.at(place)),
         };
         Ok(Camera {
             position,
             rotation,
-            half_height: libm::exp(self.log_half_heights.at(time)),
+            half_height: libm::exp(self.log_half_heights.at(place)),
         })
+    }
+
+    /// The time at which a path without a ramp is as far.
+    fn before_ramp(&self, time: f64) -> f64 {
+        let Timeline { start, end, .. } = self.timeline;
+        if self.ramp.is_flat() || time == end {
+            return time;
+        }
+        start + (end - start) * self.ramp.way((time - start) / (end - start))
+    }
+
+    fn check_frames(&self) -> Result<(), PathError> {
+        let mut before: Option<DMat3> = None;
+        for frame in 0..self.timeline.frame_count() {
+            let time = self.timeline.time_of(frame);
+            let rotation = self.camera_at(time, frame)?.rotation;
+            if let (Aim::Points { .. }, Some(before)) = (&self.aim, before)
+                && is_flipped(&before, &rotation)
+                && !self.is_cut(frame - 1)
+            {
+                return Err(PathError::Flips { frame, time });
+            }
+            before = Some(rotation);
+        }
+        Ok(())
+    }
+}
+
+/// What all tracks but the positions' have in common.
+struct Tracks<'a> {
+    times: &'a [f64],
+    segments: &'a [Segment],
+    closed: bool,
+}
+
+impl Tracks<'_> {
+    fn through<T: Value>(&self, keys: impl Iterator<Item = T>) -> Track<T> {
+        let courses: Vec<Course<T>> = self.segments.iter().map(own_course).collect();
+        Track::new(self.times, keys.collect(), &courses, self.closed)
+    }
+}
+
+/// How a value goes that has no derivatives given.
+fn own_course<T: Value>(segment: &Segment) -> Course<T> {
+    let form = match segment.shape {
+        Shape::Hold => Form::Held,
+        Shape::Linear => Form::Straight,
+        Shape::CatmullRom | Shape::Cubic(..) => Form::Smooth,
+    };
+    course(segment, form)
+}
+
+fn course<T: Value>(segment: &Segment, form: Form<T>) -> Course<T> {
+    Course {
+        form,
+        eased: [segment.ease_in, segment.ease_out],
     }
 }
 
 impl Aim {
-    fn new(
-        interpolation: Interpolation,
-        times: &[f64],
-        keys: &[Keyframe],
-        timeline: &Timeline,
-    ) -> Result<Aim, PathError> {
-        let points: Option<Vec<DVec3>> = keys
-            .iter()
-            .map(|key| match key.orientation {
-                Orientation::LookAt(point) => Some(point),
-                Orientation::Rotation(_) => None,
-            })
-            .collect();
-        if let Some(points) = points {
-            return Ok(Aim::Points(Track::new(interpolation, times, points)));
+    fn new(keys: &[Keyframe], tracks: &Tracks, timeline: &Timeline) -> Result<Aim, PathError> {
+        let points = keys.iter().map(|key| match key.orientation {
+            Orientation::LookAt { target, roll } => Some((target, roll)),
+            _ => None,
+        });
+        if let Some(points) = points.collect::<Option<Vec<_>>>() {
+            return Ok(Aim::Points {
+                targets: tracks.through(points.iter().map(|point| point.0)),
+                rolls: tracks.through(points.iter().map(|point| point.1)),
+            });
         }
-        let mut rotations: Vec<DQuat> = Vec::new();
-        for key in keys {
-            let rotation = match key.orientation {
-                Orientation::Rotation(rotation) => rotation,
-                Orientation::LookAt(point) => {
-                    let frame = ((key.time - timeline.start) * timeline.fps).round() as u32;
-                    DQuat::from_mat3(&look_at(key.position, point, frame, key.time)?)
-                }
-            };
-            // Of the two quaternions of a rotation the one nearer to the last: the short way.
-            let flip = rotations
-                .last()
-                .is_some_and(|last| last.dot(rotation) < 0.0);
-            rotations.push(if flip { -rotation } else { rotation });
+        let angles = keys.iter().map(|key| match key.orientation {
+            Orientation::YawPitchRoll(angles) => Some(angles),
+            _ => None,
+        });
+        if let Some(angles) = angles.collect::<Option<Vec<_>>>() {
+            return Ok(Aim::Angles(tracks.through(angles.into_iter())));
         }
-        Ok(Aim::Rotations(times.to_vec(), rotations))
+        let rotations = keys.iter().map(|key| rotation(key, timeline));
+        let rotations: Vec<DQuat> = rotations.collect::<Result<_, _>>()?;
+        // Nearer to half a turn than this, the axis would be made of rounding errors.
+        const SMALLEST_COSINE: f64 = 1e-9;
+        for (i, pair) in rotations.windows(2).enumerate() {
+            let is_half_turn = pair[0].dot(pair[1]).abs() < SMALLEST_COSINE;
+            if is_half_turn && tracks.segments[i].shape != Shape::Hold {
+                return Err(PathError::HalfTurn { key: i + 1 });
+            }
+        }
+        Ok(Aim::Rotations(tracks.through(rotations.into_iter())))
     }
 }
 
-/// The rotation of a camera that looks from `position` to `target` with +Y up.
-fn look_at(position: DVec3, target: DVec3, frame: u32, time: f64) -> Result<DMat3, PathError> {
-    let Some(backward) = (position - target).try_normalize() else {
-        return Err(PathError::LooksAtItself { frame, time });
+/// The rotation of the camera at a key.
+fn rotation(key: &Keyframe, timeline: &Timeline) -> Result<DQuat, PathError> {
+    let matrix = match key.orientation {
+        Orientation::Rotation(rotation) => return Ok(rotation),
+        Orientation::YawPitchRoll(angles) => yaw_pitch_roll(angles),
+        Orientation::LookAt {
+            target,
+            roll: angle,
+        } => {
+            let frame = ((key.time - timeline.start) * timeline.fps).round() as u32;
+            look_at(key.position, target, frame, key.time)? * roll(angle)
+        }
     };
-    // Nearer to the vertical than this, right would be made of rounding errors.
-    const SMALLEST_SINE: f64 = 1e-7;
-    let right = DVec3::Y.cross(backward);
-    if right.length() < SMALLEST_SINE {
-        return Err(PathError::LooksVertically { frame, time });
-    }
-    let right = right.normalize();
-    Ok(DMat3::from_cols(right, backward.cross(right), backward))
+    Ok(DQuat::from_mat3(&matrix))
 }
 
-fn rotation_at(times: &[f64], rotations: &[DQuat], time: f64) -> DQuat {
-    match find_segment(times, time) {
-        Segment::Key(key) => rotations[key],
-        Segment::Between(i, s) => slerp(rotations[i], rotations[i + 1], s),
+/// What can be said of keys before the path is known.
+fn check(keys: &[Keyframe], pace: &Pace) -> Result<(), PathError> {
+    let (Some(first), Some(last)) = (keys.first(), keys.last()) else {
+        return Err(PathError::NoKeys);
+    };
+    if let Some(i) = keys.windows(2).position(|k| k[1].time <= k[0].time) {
+        return Err(PathError::TimesDoNotRise {
+            key: i + 1,
+            time: keys[i + 1].time,
+        });
     }
-}
-
-/// Turns evenly from `a` to `b`, which are in the same half of the sphere (Shoemake 1985, "Animating
-/// Rotation with Quaternion Curves"). With functions that are the same on every machine.
-fn slerp(a: DQuat, b: DQuat, s: f64) -> DQuat {
-    let angle = libm::acos(a.dot(b).min(1.0));
-    // So near each other a straight line is as even, and sin(angle) is not divided by.
-    if angle < 1e-6 {
-        return a.lerp(b, s);
+    let (seconds, duration) = (pace.ease_in + pace.ease_out, last.time - first.time);
+    if seconds > duration {
+        return Err(PathError::EaseTooLong { seconds, duration });
     }
-    let weight = |part: f64| libm::sin(part * angle) / libm::sin(angle);
-    (a * weight(1.0 - s) + b * weight(s)).normalize()
-}
-
-impl<T: super::curve::Value> Track<T> {
-    fn new(
-        interpolation: Interpolation,
-        times: &[f64],
-        values: impl IntoIterator<Item = T>,
-    ) -> Track<T> {
-        let (times, values) = (times.to_vec(), values.into_iter().collect());
-        match interpolation {
-            Interpolation::Linear => Track::Linear(times, values),
-            Interpolation::CatmullRom => Track::Smooth(SmoothCurve::new(times, values)),
-        }
+    let eases = |key: &Keyframe| key.segment.ease_in || key.segment.ease_out;
+    if let (Speed::Constant, Some(key)) = (pace.speed, keys.iter().position(eases)) {
+        return Err(PathError::EaseAtConstantSpeed { key });
     }
-
-    fn at(&self, time: f64) -> T {
-        match self {
-            Track::Linear(times, values) => match find_segment(times, time) {
-                Segment::Key(key) => values[key],
-                Segment::Between(i, s) => values[i] * (1.0 - s) + values[i + 1] * s,
-            },
-            Track::Smooth(curve) => curve.at(time),
-        }
+    match difference(first, last) {
+        Some(what) if pace.closed => Err(PathError::NotClosed { what }),
+        _ => Ok(()),
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
-
-    fn key(time: f64, position: DVec3, orientation: Orientation) -> Keyframe {
-        Keyframe {
-            time,
-            position,
-            orientation,
-            field_of_view: FRAC_PI_2,
+/// What keys of a camera that is the same differ in.
+fn difference(a: &Keyframe, b: &Keyframe) -> Option<&'static str> {
+    if a.position != b.position {
+        return Some("position");
+    }
+    if a.field_of_view != b.field_of_view {
+        return Some("fov");
+    }
+    // Angles may have gone around.
+    let turned = |matrix: DMat3, other: DMat3| !matrix.abs_diff_eq(other, 1e-9);
+    match (a.orientation, b.orientation) {
+        (
+            Orientation::LookAt { target: p, roll: r },
+            Orientation::LookAt { target: q, roll: s },
+        ) => {
+            if p != q {
+                return Some("look_at");
+            }
+            turned(roll(r), roll(s)).then_some("roll")
         }
-    }
-
-    fn path(interpolation: Interpolation, keys: &[Keyframe]) -> Result<CameraPath, PathError> {
-        CameraPath::new(10.0, interpolation, keys)
-    }
-
-    #[test]
-    fn looks_at_its_target_with_y_up() {
-        let target = DVec3::new(3.0, 1.0, -2.0);
-        let keys = [key(0.0, DVec3::ONE, Orientation::LookAt(target))];
-        let path = path(Interpolation::CatmullRom, &keys).expect("a still");
-        assert_eq!(path.timeline().frame_count(), 1);
-        let camera = path.camera(0);
-        let forward = (target - DVec3::ONE).normalize();
-        assert!((camera.rotation * DVec3::NEG_Z - forward).length() < 1e-12);
-        let right = camera.rotation * DVec3::X;
-        assert!(right.y.abs() < 1e-12 && (camera.rotation * DVec3::Y).y > 0.0);
-        assert!((camera.rotation.determinant() - 1.0).abs() < 1e-12);
-        assert!((camera.half_height - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn first_and_last_frame_are_the_keys_and_linear_is_straight() {
-        let aim = Orientation::Rotation(DQuat::IDENTITY);
-        let keys = [key(1.0, DVec3::ZERO, aim), key(3.0, DVec3::X * 4.0, aim)];
-        let path = path(Interpolation::Linear, &keys).expect("two keys");
-        assert_eq!(path.timeline().frame_count(), 21);
-        assert_eq!(path.camera(0).position, DVec3::ZERO);
-        assert_eq!(path.camera(20).position, DVec3::X * 4.0);
-        assert!((path.camera(5).position - DVec3::X).length() < 1e-12);
-    }
-
-    #[test]
-    fn rotations_take_the_short_way() {
-        let aim = |degrees: f64| {
-            let q = DQuat::from_rotation_y(degrees.to_radians());
-            Orientation::Rotation(if degrees > 180.0 { -q } else { q })
-        };
-        let keys = [
-            key(0.0, DVec3::ZERO, aim(10.0)),
-            key(1.0, DVec3::ZERO, aim(350.0)),
-        ];
-        let path = path(Interpolation::CatmullRom, &keys).expect("two keys");
-        let quarter = DQuat::from_rotation_y(5.0_f64.to_radians()) * DVec3::NEG_Z;
-        // A quarter of the way from 10 to -10 degrees, at an even pace.
-        let early = CameraPath::new(8.0, Interpolation::Linear, &keys)
-            .expect("two keys")
-            .camera(2);
-        assert!((early.rotation * DVec3::NEG_Z - quarter).length() < 1e-12);
-        let camera = path.camera(5);
-        assert!((camera.rotation * DVec3::NEG_Z - DVec3::NEG_Z).length() < 1e-12);
-    }
-
-    #[test]
-    fn zoom_magnifies_evenly() {
-        let aim = Orientation::Rotation(DQuat::IDENTITY);
-        let zoomed = |time: f64, degrees: f64| Keyframe {
-            field_of_view: degrees.to_radians(),
-            ..key(time, DVec3::ZERO, aim)
-        };
-        for interpolation in [Interpolation::Linear, Interpolation::CatmullRom] {
-            let path = path(interpolation, &[zoomed(0.0, 60.0), zoomed(10.0, 6.0)]).expect("keys");
-            let sizes: Vec<f64> = (0..=100).map(|f| path.camera(f).half_height).collect();
-            let first = sizes[1] / sizes[0];
-            assert!(
-                sizes
-                    .windows(2)
-                    .all(|s| (s[1] / s[0] - first).abs() < 1e-12)
-            );
+        (Orientation::YawPitchRoll(p), Orientation::YawPitchRoll(q)) => {
+            turned(yaw_pitch_roll(p), yaw_pitch_roll(q)).then_some("yaw_pitch_roll")
         }
-    }
-
-    #[test]
-    fn mixed_keys_become_rotations() {
-        let keys = [
-            key(0.0, DVec3::ZERO, Orientation::LookAt(DVec3::X)),
-            key(1.0, DVec3::ZERO, Orientation::Rotation(DQuat::IDENTITY)),
-        ];
-        let path = path(Interpolation::Linear, &keys).expect("two keys");
-        let forward = path.camera(5).rotation * DVec3::NEG_Z;
-        let expected = DVec3::new(FRAC_PI_4.sin(), 0.0, -FRAC_PI_4.cos());
-        assert!((forward - expected).length() < 1e-9, "{forward}");
-    }
-
-    #[test]
-    fn refuses_what_has_no_camera() {
-        let at = |time, position, target| key(time, position, Orientation::LookAt(target));
-        let refusal = |keys: &[Keyframe]| path(Interpolation::Linear, keys).err();
-        assert_eq!(refusal(&[]), Some(PathError::NoKeys));
-        let still = at(1.0, DVec3::ZERO, DVec3::X);
-        assert_eq!(
-            refusal(&[still, still]),
-            Some(PathError::TimesDoNotRise { key: 1, time: 1.0 })
-        );
-        // Passes through its target half way.
-        assert_eq!(
-            refusal(&[
-                at(0.0, DVec3::X, DVec3::ZERO),
-                at(1.0, DVec3::NEG_X, DVec3::ZERO)
-            ]),
-            Some(PathError::LooksAtItself {
-                frame: 5,
-                time: 0.5
-            })
-        );
-        assert_eq!(
-            refusal(&[at(0.0, DVec3::Y, DVec3::ZERO)]),
-            Some(PathError::LooksVertically {
-                frame: 0,
-                time: 0.0
-            })
-        );
+        (Orientation::Rotation(p), Orientation::Rotation(q)) => {
+            turned(DMat3::from_quat(p), DMat3::from_quat(q)).then_some("rotation")
+        }
+        _ => Some("how the orientation is given"),
     }
 }

@@ -2,11 +2,23 @@
 //!
 //! Knows nothing of files, pixels' colours or the scene.
 
+mod arc_length;
 mod camera_path;
-mod curve;
+mod error;
+mod keyframe;
+mod look_at;
+mod ramp;
+mod rotation;
+#[cfg(test)]
+mod tests;
 mod timeline;
+mod track;
+mod value;
+mod walk;
 
-pub use camera_path::{CameraPath, Interpolation, Keyframe, Orientation, PathError};
+pub use camera_path::CameraPath;
+pub use error::PathError;
+pub use keyframe::{Keyframe, Orientation, Pace, Segment, Shape, Speed};
 pub use timeline::Timeline;
 
 use crate::math::Ray;
@@ -76,7 +88,7 @@ impl CameraRays {
 }
 
 #[cfg(test)]
-mod tests {
+mod projection_tests {
     use super::*;
     use crate::sampling::Random;
     use glam::DQuat;

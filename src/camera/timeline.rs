@@ -2,7 +2,8 @@
 ///
 /// The first frame is the first key's, the last frame the last key's; those between are equally
 /// spaced. A duration that is not a whole number of frames is thereby stretched to the nearest one
-/// in the video, by less than half a frame.
+/// in the video, by less than half a frame. A closed path ends one frame before its last key, which
+/// is its first frame again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timeline {
     /// Frames per second of the video.
@@ -11,12 +12,22 @@ pub struct Timeline {
     pub start: f64,
     /// Time of the last key, in seconds; not before `start`.
     pub end: f64,
+    /// Whether the last key is the first again.
+    pub closed: bool,
 }
 
 impl Timeline {
     /// How many frames there are; at least 1.
     pub fn frame_count(&self) -> u32 {
-        ((self.end - self.start) * self.fps).round() as u32 + 1
+        match self.closed {
+            true => self.steps().max(1),
+            false => self.steps() + 1,
+        }
+    }
+
+    /// How many frames the last key is after the first.
+    fn steps(&self) -> u32 {
+        ((self.end - self.start) * self.fps).round() as u32
     }
 
     /// The frames in the middles of so many equal parts of the path, at least 1; all of them if there are no more.
@@ -31,16 +42,16 @@ impl Timeline {
     ///
     /// `frame` is below [`Timeline::frame_count`].
     pub fn time_of(&self, frame: u32) -> f64 {
-        let last = self.frame_count() - 1;
-        if frame == last {
-            return if last == 0 { self.start } else { self.end };
+        let steps = self.steps();
+        if frame == 0 || frame == steps {
+            return if frame == 0 { self.start } else { self.end };
         }
         let duration = self.end - self.start;
-        if duration * self.fps == f64::from(last) {
+        if duration * self.fps == f64::from(steps) {
             // Nothing is stretched: to the last bit the same whatever is added at the end.
             return self.start + f64::from(frame) / self.fps;
         }
-        self.start + duration * (f64::from(frame) / f64::from(last))
+        self.start + duration * (f64::from(frame) / f64::from(steps))
     }
 }
 
@@ -56,7 +67,12 @@ mod tests {
             (30.0, 2.0, 2.0, 1),
             (24.0, 0.1, 0.7, 15),
         ] {
-            let timeline = Timeline { fps, start, end };
+            let timeline = Timeline {
+                fps,
+                start,
+                end,
+                closed: false,
+            };
             assert_eq!(timeline.frame_count(), frames);
             assert_eq!(timeline.time_of(0), start);
             assert_eq!(timeline.time_of(frames - 1), end);
@@ -69,9 +85,32 @@ mod tests {
             fps: 24.0,
             start: 0.0,
             end,
+            closed: false,
         });
         for frame in 0..96 {
             assert_eq!(short.time_of(frame), long.time_of(frame), "{frame}");
+        }
+    }
+
+    #[test]
+    fn a_closed_path_shows_its_first_key_once() {
+        for (fps, end, frames) in [
+            (25.0, 4.0, 100),
+            (23.976, 3.1, 74),
+            (24.0, 0.01, 1),
+            (24.0, 0.0, 1),
+        ] {
+            let timeline = Timeline {
+                fps,
+                start: 0.0,
+                end,
+                closed: true,
+            };
+            assert_eq!(timeline.frame_count(), frames);
+            let step = end / f64::from(frames);
+            for frame in 0..frames {
+                assert!((timeline.time_of(frame) - step * f64::from(frame)).abs() < 1e-12);
+            }
         }
     }
 
@@ -82,6 +121,7 @@ mod tests {
                 fps: 1.0,
                 start: 0.0,
                 end: f64::from(count - 1),
+                closed: false,
             };
             timeline.spread(parts)
         };
@@ -97,6 +137,7 @@ mod tests {
             fps: 10.0,
             start: 1.0,
             end: 2.0,
+            closed: false,
         };
         for frame in 0..=10 {
             assert!((timeline.time_of(frame) - (1.0 + f64::from(frame) / 10.0)).abs() < 1e-12);

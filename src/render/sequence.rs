@@ -250,7 +250,7 @@ fn message(panic: &(dyn Any + Send)) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Interpolation, Keyframe, Orientation};
+    use crate::camera::{Keyframe, Orientation, Pace, Segment, Shape};
     use crate::integrator::Integrator;
     use crate::scene::SceneBuilder;
     use glam::DVec3;
@@ -343,11 +343,15 @@ mod tests {
         let key = |time| Keyframe {
             time,
             position: DVec3::ZERO,
-            orientation: Orientation::LookAt(DVec3::NEG_Z),
+            orientation: Orientation::LookAt {
+                target: DVec3::NEG_Z,
+                roll: 0.0,
+            },
             field_of_view: 1.0,
+            segment: Segment::of(Shape::Linear),
         };
         let keys = [key(0.0), key(999.0)];
-        let path = CameraPath::new(1.0, Interpolation::Linear, &keys).expect("a path");
+        let path = CameraPath::new(1.0, &keys, &Pace::BY_KEYS).expect("a path");
         let settings = RenderSettings::new(Integrator::RayTracing { bounces: 0 }, 4, 4);
         let pool = rayon::ThreadPoolBuilder::new().build().expect("threads");
         render_sequence(&scene, &path, &settings, frames, &pool, sink, notes)

@@ -1,0 +1,41 @@
+use thiserror::Error;
+
+/// Why keys do not make a path.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[expect(missing_docs, reason = "each variant is described by its message")]
+pub enum PathError {
+    #[error("there are none; write at least one")]
+    NoKeys,
+    #[error("key {key}, at {time} s, is not after the key before it; times must rise")]
+    TimesDoNotRise { key: usize, time: f64 },
+    #[error(
+        "key {key} is half a turn from the key before it, so either way around is as short; add a \
+         key between them, or give yaw_pitch_roll in all keys, which turns as its numbers say"
+    )]
+    HalfTurn { key: usize },
+    #[error("a closed path's last key repeats its first, to say when; they differ in {what}")]
+    NotClosed { what: &'static str },
+    #[error("ease_in and ease_out take {seconds} s together, and the path lasts {duration} s")]
+    EaseTooLong { seconds: f64, duration: f64 },
+    #[error(
+        "key {key} eases, and the whole path is to be at one speed; remove one of them, or give \
+         ease_in and ease_out of the path"
+    )]
+    EaseAtConstantSpeed { key: usize },
+    #[error(
+        "at {time} s (frame {frame}) the camera is at its look_at point; move one of them, or give \
+         yaw_pitch_roll in all keys instead"
+    )]
+    LooksAtItself { frame: u32, time: f64 },
+    #[error(
+        "at {time} s (frame {frame}) the camera looks straight up or down, where look_at leaves \
+         its roll open; give yaw_pitch_roll in all keys instead"
+    )]
+    LooksVertically { frame: u32, time: f64 },
+    #[error(
+        "at {time} s (frame {frame}) the camera has passed straight over or under its look_at \
+         point, and its picture flips; lead one of them past the other, or give yaw_pitch_roll in \
+         all keys instead"
+    )]
+    Flips { frame: u32, time: f64 },
+}

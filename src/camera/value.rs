@@ -1,0 +1,101 @@
+use super::rotation::{exp, log};
+use glam::{DQuat, DVec3};
+use std::fmt::Debug;
+use std::ops::{Add, Mul};
+
+/// What can be interpolated.
+pub(super) trait Value: Copy + Debug {
+    /// What leads from one to another, and the derivative of a curve of them: a vector space over the
+    /// reals.
+    type Step: Copy + Debug + Add<Output = Self::Step> + Mul<f64, Output = Self::Step>;
+
+    /// From this one to another.
+    fn step_to(self, other: Self) -> Self::Step;
+
+    /// The length of a step.
+    fn length(step: Self::Step) -> f64;
+
+    /// The inner product of two steps.
+    fn dot(a: Self::Step, b: Self::Step) -> f64;
+
+    /// The point at `s`, of 0 to 1, of the cubic curve that goes from here by `step`, with derivatives `start` and
+    /// `end` at its ends.
+    fn cubic(self, step: Self::Step, start: Self::Step, end: Self::Step, s: f64) -> Self;
+}
+
+/// The weights of step, start and end in a cubic.
+pub(super) fn weights(s: f64) -> [f64; 3] {
+    let t = 1.0 - s;
+    [s * s * (3.0 - 2.0 * s), s * t * t, -s * s * t]
+}
+
+impl Value for f64 {
+    type Step = f64;
+
+    fn step_to(self, other: f64) -> f64 {
+        other - self
+    }
+
+    fn length(step: f64) -> f64 {
+        step.abs()
+    }
+
+    fn dot(a: f64, b: f64) -> f64 {
+        a * b
+    }
+
+    fn cubic(self, step: f64, start: f64, end: f64, s: f64) -> f64 {
+        let [a, b, c] = weights(s);
+        self + (step * a + (start * b + end * c))
+    }
+}
+
+impl Value for DVec3 {
+    type Step = DVec3;
+
+    fn step_to(self, other: DVec3) -> DVec3 {
+        other - self
+    }
+
+    fn length(step: DVec3) -> f64 {
+        step.length()
+    }
+
+    fn dot(a: DVec3, b: DVec3) -> f64 {
+        a.dot(b)
+    }
+
+    fn cubic(self, step: DVec3, start: DVec3, end: DVec3, s: f64) -> DVec3 {
+        let [a, b, c] = weights(s);
+        self + (step * a + (start * b + end * c))
+    }
+}
+
+/// Rotations, by unit quaternions of either sign. Steps are rotation vectors of less than half a turn, derivatives
+/// are angular velocities, both in the coordinates of the rotated body.
+impl Value for DQuat {
+    type Step = DVec3;
+
+    fn step_to(self, other: DQuat) -> DVec3 {
+        log(self.conjugate() * other)
+    }
+
+    fn length(step: DVec3) -> f64 {
+        step.length()
+    }
+
+    fn dot(a: DVec3, b: DVec3) -> f64 {
+        a.dot(b)
+    }
+
+    /// The Bézier curve in cumulative form (Kim, Kim and Shin 1995, "A General Construction Scheme for Unit
+    /// Quaternion Curves with Simple High Order Derivatives", section 4.1): its angular velocities at the ends are
+    /// the given ones. Along one axis it is the cubic of the angle.
+    fn cubic(self, step: DVec3, start: DVec3, end: DVec3, s: f64) -> DQuat {
+        let (first, last) = (start / 3.0, end / 3.0);
+        let middle = log(exp(-first) * exp(step) * exp(-last));
+        let t = 1.0 - s;
+        let turned = exp(first * (1.0 - t * t * t)) * exp(middle * (s * s * (3.0 - 2.0 * s)));
+        (self * turned * exp(last * (s * s * s))).normalize()
+    }
+}

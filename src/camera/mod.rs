@@ -5,6 +5,7 @@
 mod arc_length;
 mod camera_path;
 mod error;
+mod frame_cameras;
 mod keyframe;
 mod look_at;
 mod ramp;
@@ -18,6 +19,7 @@ mod walk;
 
 pub use camera_path::CameraPath;
 pub use error::PathError;
+pub use frame_cameras::FrameCameras;
 pub use keyframe::{Keyframe, Orientation, Pace, Segment, Shape, Speed};
 pub use timeline::Timeline;
 
@@ -36,6 +38,23 @@ pub struct Camera {
 }
 
 impl Camera {
+    /// One at `position` that looks against `backward`, with `up` as near to up in its picture as it can be, its
+    /// vertical field of view in radians. The directions need not be of unit length, nor quite square.
+    pub fn from_axes(position: DVec3, backward: DVec3, up: DVec3, field_of_view: f64) -> Camera {
+        let backward = backward.normalize();
+        let right = up.cross(backward).normalize();
+        Camera {
+            position,
+            rotation: DMat3::from_cols(right, backward.cross(right), backward),
+            half_height: libm::tan(0.5 * field_of_view),
+        }
+    }
+
+    /// Its vertical field of view in radians.
+    pub fn field_of_view(&self) -> f64 {
+        2.0 * libm::atan(self.half_height)
+    }
+
     /// The camera's rays through a film of `size` pixels, relative to a scene's `origin`. Pixels are
     /// square.
     pub fn rays(&self, size: DVec2, origin: DVec3) -> CameraRays {

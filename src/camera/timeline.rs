@@ -17,6 +17,17 @@ pub struct Timeline {
 }
 
 impl Timeline {
+    /// Of frames at whole numbers of frames after `start`, as many as there are up to `end` or half a frame after.
+    pub fn of_whole_frames(fps: f64, start: f64, end: f64) -> Timeline {
+        let steps = ((end - start) * fps).round();
+        Timeline {
+            fps,
+            start,
+            end: start + steps / fps,
+            closed: false,
+        }
+    }
+
     /// How many frames there are; at least 1.
     pub fn frame_count(&self) -> u32 {
         match self.closed {

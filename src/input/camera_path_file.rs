@@ -89,7 +89,7 @@ struct KeyframeFile {
 }
 
 /// More frames than a film of a day has.
-const MOST_FRAMES: f64 = 1e7;
+pub(super) const MOST_FRAMES: u32 = 10_000_000;
 
 /// Loads a camera path file and checks the camera of every frame.
 pub fn load_camera_path(
@@ -107,7 +107,7 @@ pub fn load_camera_path(
     let mut keys = keys.collect::<Result<Vec<Keyframe>, _>>()?;
     segments(check, &parsed, &mut keys)?;
     if let (Some(first), Some(last)) = (keys.first(), keys.last())
-        && (last.time - first.time) * fps > MOST_FRAMES
+        && (last.time - first.time) * fps > f64::from(MOST_FRAMES)
     {
         return check.refuse("fps", format!("gives more than {MOST_FRAMES} frames"));
     }

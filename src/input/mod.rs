@@ -5,11 +5,16 @@
 //! wrong is refused with the file and the place; whatever is left out of the picture is said in a
 //! warning.
 
+mod camera_import;
 mod camera_path_file;
 mod check;
 mod error;
 mod files;
+mod gltf_buffers;
+mod gltf_file;
+mod gltf_sampler;
 mod mtl;
+mod nerfstudio;
 mod obj;
 mod obj_check;
 mod ron_file;
@@ -20,6 +25,7 @@ mod statements;
 mod texture_file;
 mod unused;
 
+pub use camera_import::{CameraImport, import_cameras};
 pub use camera_path_file::{CameraPathInput, load_camera_path};
 pub use error::InputError;
 pub use files::InputFiles;

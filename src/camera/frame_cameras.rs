@@ -1,0 +1,26 @@
+use super::{Camera, CameraPath};
+
+/// A camera for each frame of a video and no way between them, as other programs keep it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameCameras {
+    /// Frames per second.
+    pub fps: f64,
+    /// When the first frame is shown, in seconds.
+    pub start: f64,
+    /// In the order of the frames, at least one.
+    pub cameras: Vec<Camera>,
+}
+
+impl FrameCameras {
+    /// Those of all frames of a path.
+    pub fn of(path: &CameraPath) -> FrameCameras {
+        let timeline = path.timeline();
+        FrameCameras {
+            fps: timeline.fps,
+            start: timeline.start,
+            cameras: (0..timeline.frame_count())
+                .map(|frame| path.camera(frame))
+                .collect(),
+        }
+    }
+}

@@ -1,0 +1,50 @@
+use super::check::Checker;
+use super::error::InputError;
+use super::files::InputFiles;
+use super::{gltf_file, nerfstudio};
+use crate::camera::FrameCameras;
+use serde_json::Value;
+use std::path::Path;
+
+/// What is imported from other programs.
+#[derive(Debug)]
+pub struct CameraImport {
+    /// Its frames.
+    pub frames: FrameCameras,
+    /// Columns and rows of its pictures, if it says so.
+    pub size: Option<(u32, u32)>,
+}
+
+/// Frames per second of files that do not say how many.
+const FPS: f64 = 24.0;
+
+/// Imports a camera path of nerfstudio or an animated camera of a glTF file. The coordinates are kept as they are.
+///
+/// `fps` and the name of the camera are for glTF files: those of nerfstudio have frames, and one camera.
+pub fn import_cameras(
+    file: &Path,
+    fps: Option<f64>,
+    camera: Option<&str>,
+) -> Result<CameraImport, InputError> {
+    let check = Checker { file };
+    let bytes = InputFiles::default().read(file)?;
+    let json: Option<Value> = serde_json::from_slice(&bytes).ok();
+    let has = |key: &str| json.as_ref().is_some_and(|json| json.get(key).is_some());
+    if has("camera_path") {
+        if fps.is_some() || camera.is_some() {
+            let message = "has its own frames, and one camera: leave --fps and --camera out";
+            return check.refuse("camera_path", message);
+        }
+        let (frames, size) = nerfstudio::parse(file, &bytes)?;
+        return Ok(CameraImport { frames, size });
+    }
+    if bytes.starts_with(b"glTF") || has("asset") {
+        let fps = check.positive("--fps", fps.unwrap_or(FPS))?;
+        let frames = gltf_file::parse(file, &bytes, fps, camera)?;
+        return Ok(CameraImport { frames, size: None });
+    }
+    check.refuse(
+        "file",
+        "neither a camera_path.json of nerfstudio nor a glTF file (.gltf, .glb)",
+    )
+}

@@ -1,0 +1,35 @@
+use crate::camera::FrameCameras;
+use glam::DQuat;
+use serde::Serialize;
+
+/// A line of a table of cameras.
+#[derive(Serialize)]
+struct Row {
+    frame: usize,
+    /// In seconds.
+    time: f64,
+    position: [f64; 3],
+    /// Camera to world: x, y, z, w.
+    quaternion: [f64; 4],
+    /// Vertical, in degrees.
+    fov: f64,
+}
+
+/// The camera of every frame as JSON Lines, a frame a line: its number, time in seconds, position in world
+/// coordinates, quaternion (x, y, z, w; camera to world, the camera looks along -Z with +Y up) and vertical field of
+/// view in degrees. Numbers are written so that they are read as the same.
+pub fn camera_table(cameras: &FrameCameras) -> serde_json::Result<String> {
+    let mut table = String::new();
+    for (frame, camera) in cameras.cameras.iter().enumerate() {
+        let row = Row {
+            frame,
+            time: cameras.start + frame as f64 / cameras.fps,
+            position: camera.position.to_array(),
+            quaternion: DQuat::from_mat3(&camera.rotation).to_array(),
+            fov: camera.field_of_view().to_degrees(),
+        };
+        table += &serde_json::to_string(&row)?;
+        table.push('\n');
+    }
+    Ok(table)
+}

@@ -1,6 +1,7 @@
 //! Finished films to files: names, encodings, and a folder that never holds half a frame; and files of light
 //! that camera paths share.
 
+mod contact_sheet;
 mod exr_file;
 mod fault;
 mod folder;
@@ -15,6 +16,7 @@ mod record;
 #[cfg(test)]
 mod tests;
 
+pub use contact_sheet::ContactSheet;
 pub use exr_file::{decode as decode_exr, encode as encode_exr, note as note_of_exr};
 pub use fault::Fault;
 pub use folder::{FolderError, FrameFolder, Place};

@@ -34,10 +34,10 @@ const COLUMNS: u32 = 240;
 const MOST_ROWS: u32 = 480;
 
 /// Between frames, and around them.
-const MARGIN: u32 = 8;
+const MARGIN: u32 = 10;
 
 /// Rows for what stands above all frames.
-const HEAD: u32 = 60;
+const HEAD: u32 = 62;
 
 /// Rows for what stands below each frame.
 const LABEL: u32 = 22;
@@ -217,5 +217,63 @@ impl Grid {
     fn place(&self, number: u32) -> (u32, u32) {
         let (x, y) = self.tile(number);
         (x + (COLUMNS - self.frame.0) / 2, y)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_spread_from_the_first_to_the_last() {
+        for (all, count) in [(0, 0), (1, 1), (2, 2), (29, 29), (31, 30), (433, 30)] {
+            let chosen: Vec<usize> = spread(all, count).collect();
+            assert_eq!(chosen.len(), count);
+            for (i, &number) in chosen.iter().enumerate() {
+                let even = (i * all.saturating_sub(1)) as f64 / (count.max(2) - 1) as f64;
+                assert!((number as f64 - even).abs() <= 0.5, "{number} of {all}");
+            }
+        }
+    }
+
+    #[test]
+    fn frames_keep_their_shape_and_do_not_meet() {
+        for (count, size) in [
+            (0, (1280, 720)),
+            (1, (7, 7)),
+            (5, (720, 1280)),
+            (30, (640, 360)),
+            (30, (1, 32_768)),
+            (9, (32_768, 1)),
+        ] {
+            let grid = Grid::new(count, size);
+            let (columns, rows) = grid.frame;
+            let error = f64::from(columns * size.1) - f64::from(rows * size.0);
+            // Half a pixel of each, or one pixel where there has to be one.
+            let rounding = f64::from(size.0.max(size.1));
+            assert!(error.abs() <= rounding, "{size:?}: {:?}", grid.frame);
+            let (width, height) = grid.size();
+            let mut taken = vec![false; (width * height) as usize];
+            for number in 0..count {
+                let (left, top) = grid.place(number);
+                assert!(left + columns <= width && top + rows + LABEL <= height);
+                for y in top..top + rows + LABEL {
+                    for x in left..left + columns {
+                        let taken = &mut taken[(y * width + x) as usize];
+                        assert!(!std::mem::replace(taken, true), "{size:?}: {number}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// Stripes of black and white are grey of half the light, whatever their codes are.
+    #[test]
+    fn frames_are_made_small_in_linear_light() {
+        let pixels = (0..64 * 8).map(|i| Vec3::splat(if i % 2 == 0 { 0.0 } else { 9.0 }));
+        let small = scaled(&Film::from_pixels(64, 8, pixels.collect()), (8, 1));
+        for pixel in &small.pixels()[1..7] {
+            assert!((pixel - 0.5).abs().max_element() < 1e-3, "{pixel}");
+        }
     }
 }

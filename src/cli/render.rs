@@ -77,9 +77,12 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
             let _ = writeln!(std::io::stdout(), "{score}");
         }
     }
-    let is_shown = !arguments.preview || outcome.stopped || {
-        let pool = &job.loaded.pool;
-        pool.install(|| show(&folder, &frames, arguments.quiet))
+    let is_shown = match arguments.preview && !outcome.stopped {
+        true => job
+            .loaded
+            .pool
+            .install(|| show(&folder, &frames, arguments.quiet)),
+        false => true,
     };
     warn(&shortcomings(&outcome, job.settings.target_error));
     let is_anothers = folder.has_another_plan();

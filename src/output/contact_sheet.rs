@@ -97,7 +97,7 @@ impl ContactSheet<'_> {
             plan.fps,
             plan.width,
             plan.height,
-            seconds(plan.frames - 1)
+            seconds(plan.frames.saturating_sub(1))
         );
         for ((number, frame), picture) in (0..).zip(&self.frames).zip(frames) {
             let (x, y) = self.grid.tile(number);

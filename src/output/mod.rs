@@ -1,5 +1,5 @@
-//! Finished films to files: names, encodings, and a folder that never holds half a frame; and files of light
-//! that camera paths share.
+//! Finished films to files: names, encodings, a folder that never holds half a frame, and sheets of many frames;
+//! and files of light that camera paths share.
 
 mod contact_sheet;
 mod exr_file;

@@ -1,13 +1,12 @@
 //! Line charts, as the text of an SVG file and as the bytes of a PNG file of the same picture.
 
+use crate::svg;
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use resvg::{tiny_skia, usvg};
 use std::error::Error;
 use std::ops::Range;
-use std::sync::Arc;
 use thiserror::Error;
 
 /// What is drawn.
@@ -100,16 +99,7 @@ impl Chart {
 
     /// The bytes of a PNG file.
     pub fn to_png(&self) -> Result<Vec<u8>, ChartError> {
-        let mut options = usvg::Options::default();
-        // The program's own, so that it looks the same on a machine without fonts.
-        let fonts = Arc::make_mut(&mut options.fontdb);
-        fonts.load_font_data(notosans::REGULAR_TTF.to_vec());
-        fonts.set_sans_serif_family("Noto Sans");
-        let tree = usvg::Tree::from_str(&self.to_svg()?, &options);
-        let tree = tree.map_err(|error| self.failed(error))?;
-        let mut pixels = tiny_skia::Pixmap::new(self.size.0, self.size.1)
-            .ok_or_else(|| self.failed("has no pixels"))?;
-        resvg::render(&tree, tiny_skia::Transform::default(), &mut pixels.as_mut());
+        let pixels = svg::pixels(&self.to_svg()?).map_err(|error| self.failed(error))?;
         pixels.encode_png().map_err(|error| self.failed(error))
     }
 
@@ -314,7 +304,7 @@ mod tests {
         let svg = chart(true, vec![points.to_vec()], (960, 600))
             .to_svg()
             .expect("drawn");
-        assert!(usvg::Tree::from_str(&svg, &usvg::Options::default()).is_ok());
+        assert!(svg::pixels(&svg).is_ok());
         for text in ["error &amp; time", "seconds", "relMSE", "technique 0"] {
             assert!(svg.contains(text), "{text}");
         }

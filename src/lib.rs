@@ -11,7 +11,7 @@
 //!
 //! | layer | modules | never know |
 //! |---|---|---|
-//! | 0 | [`math`] | anything above |
+//! | 0 | [`math`], [`svg`] | anything above |
 //! | 1 | [`sampling`], [`geometry`], [`texture`], [`film`], [`chart`] | files, threads, the scene |
 //! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`metrics`], [`illumination`] | each other, files, threads |
 //! | 3 | [`scene`] | how light is gathered, files |
@@ -43,4 +43,5 @@ pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod selftest;
+pub mod svg;
 pub mod texture;

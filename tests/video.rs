@@ -19,6 +19,10 @@ fn make_video(frames: &Path, video: &Path) -> Output {
 
 /// Twelve frames of an odd size: a room, or what is left and right of the middle, each of one colour.
 fn rendered(scene: &str) -> tempfile::TempDir {
+    rendered_with(scene, &["--size", "61x41"])
+}
+
+fn rendered_with(scene: &str, more: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("p.ron");
     fs::write(
@@ -31,7 +35,7 @@ fn rendered(scene: &str) -> tempfile::TempDir {
     .unwrap();
     let out = folder.path().join("frames");
     let (path, out) = (path.to_str().unwrap(), out.to_str().unwrap());
-    let arguments = ["render", scene, path, "-o", out, "--size", "61x41"];
+    let arguments = [&["render", scene, path, "-o", out], more].concat();
     assert_eq!(flythrough(&arguments).status.code(), Some(0));
     folder
 }
@@ -76,6 +80,16 @@ fn a_video_has_every_frame_and_says_its_colours() {
             "{expected}: {said}"
         );
     }
+}
+
+#[test]
+fn a_preview_makes_a_video() {
+    let folder = rendered_with(ROOM, &["--preview"]);
+    let video = folder.path().join("v.mp4");
+    let output = make_video(&folder.path().join("frames/preview"), &video);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("12 frames at 12.0 per second"), "{said}");
 }
 
 /// The first frame, decoded as a player would, has the colours of the PNG.

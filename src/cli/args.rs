@@ -24,6 +24,7 @@ pub(super) enum Command {
     Verify(VerifyArguments),
     Missing(MissingArguments),
     Audit(AuditArguments),
+    Sheet(SheetArguments),
     Bake(BakeArguments),
     Check(CheckArguments),
     Report(ReportArguments),
@@ -78,6 +79,12 @@ pub(super) struct RenderArguments {
     /// machine; the choice is kept in the folder
     #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with_all = ["samples", "target_error", "aov"])]
     pub(super) budget: Option<Duration>,
+    /// See the move before paying for it: frames of 320 columns, ray traced, one sample in the middle of each
+    /// pixel, whatever files set. They go to DIR/preview, with a contact sheet, sheet.png; frames in DIR stay as they are
+    #[arg(long, conflicts_with_all = [
+        "mode", "size", "samples", "splits", "target_error", "gi", "gi_cache", "budget", "aov", "prepare",
+    ])]
+    pub(super) preview: bool,
     /// Which frames come first
     #[arg(long, value_enum, default_value = "sequential")]
     pub(super) order: OrderArgument,
@@ -93,6 +100,16 @@ pub(super) struct RenderArguments {
     /// No progress and no summary
     #[arg(short, long)]
     pub(super) quiet: bool,
+}
+
+impl RenderArguments {
+    /// The folder that the frames are kept in.
+    pub(super) fn folder(&self) -> PathBuf {
+        match self.preview {
+            true => self.out.join("preview"),
+            false => self.out.clone(),
+        }
+    }
 }
 
 /// What decides the frames of a sequence, and how they are made.
@@ -203,6 +220,27 @@ pub(super) struct MissingArguments {
     #[arg(long, value_name = "CHUNK", default_value = "1")]
     pub(super) chunk: NonZeroU32,
     /// No progress bar
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+}
+
+/// Draw a contact sheet of a folder of frames: a camera move at a glance
+///
+/// Shows at most 30 frames, spread evenly, the first and the last among them, each with its number and its time. A
+/// frame that is not proven leaves its place empty, but for what is wrong with it.
+///
+/// Exit status: 0 the sheet is there, 2 not a folder of frames, or the sheet cannot be written.
+#[derive(Debug, Args)]
+pub(super) struct SheetArguments {
+    /// Folder of the frames
+    pub(super) folder: PathBuf,
+    /// File for the sheet, a PNG [default: sheet.png in the folder]
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) out: Option<PathBuf>,
+    /// Frames to choose from, as in 0-99:2,120 [default: all]
+    #[arg(short, long, value_name = "RANGES")]
+    pub(super) frames: Option<FrameRanges>,
+    /// Do not name the sheet
     #[arg(short, long)]
     pub(super) quiet: bool,
 }

@@ -29,10 +29,11 @@ pub(super) struct Job {
 }
 
 impl Job {
-    /// `out` is the folder of the frames, if there is one. With `force`, light that is there but cannot be used is
-    /// worked out anew.
+    /// Of a preview, or of the frames themselves. `out` is their folder, if there is one. With `force`, light that is
+    /// there but cannot be used is worked out anew.
     pub(super) fn new(
         arguments: &JobArguments,
+        is_preview: bool,
         out: Option<&Path>,
         force: bool,
     ) -> Result<Job, Failure> {
@@ -40,6 +41,7 @@ impl Job {
         flags.check().map_err(|error| error.of_flag())?;
         let loaded = load(&arguments.input, &arguments.threads)?;
         let given = loaded.settings(flags);
+        let given = if is_preview { given.preview() } else { given };
         given.check_together()?;
         let exact = given.resolve();
         let store = match (&arguments.gi_cache, out) {

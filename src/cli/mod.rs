@@ -17,6 +17,7 @@ mod recorded;
 mod render;
 mod report;
 mod selftest;
+mod sheet;
 mod values;
 mod verify;
 
@@ -57,6 +58,7 @@ pub fn run() -> ExitCode {
         Command::Audit(audit) => audit::run(&audit, interrupt),
         Command::Verify(verify) => verify::run(&verify),
         Command::Missing(missing) => missing::run(&missing),
+        Command::Sheet(sheet) => sheet::run(&sheet),
         Command::Bake(bake) => bake::run(&bake),
         Command::Check(check) => check::run(&check),
         Command::Report(report) => report::run(&report),

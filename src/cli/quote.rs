@@ -13,7 +13,7 @@ use std::time::Duration;
 
 pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
     let out = arguments.out.as_deref();
-    let mut job = Job::new(&arguments.job, out, false)?;
+    let mut job = Job::new(&arguments.job, false, out, false)?;
     if let Some(out) = out {
         make(out)?;
     }

@@ -1,7 +1,7 @@
 //! The command that a folder says its frames were rendered by, once more.
 
 use super::Failure;
-use super::args::{Arguments, Command, ThreadsArgument};
+use super::args::{Arguments, Command, RenderArguments, ThreadsArgument};
 use super::job::Job;
 use super::quote::choose_again;
 use crate::output::FrameFolder;
@@ -11,9 +11,7 @@ use clap::Parser;
 /// was typed: that is the current folder from now on.
 pub(super) fn job_of(folder: &FrameFolder, threads: ThreadsArgument) -> Result<Job, Failure> {
     let command = &folder.plan().command;
-    let Command::Render(mut render) = Arguments::try_parse_from(&command.arguments)?.command else {
-        return Err(format!("{}: not rendered by render", folder.path().display()).into());
-    };
+    let mut render = render_of(folder)?;
     let there = command.folder.display();
     let gone_there = std::env::set_current_dir(&command.folder);
     let names = [&render.job.input.scene, &render.job.input.path];
@@ -22,7 +20,7 @@ pub(super) fn job_of(folder: &FrameFolder, threads: ThreadsArgument) -> Result<J
     }
     // Whoever rendered them may have had more threads.
     render.job.threads = threads;
-    let mut job = Job::new(&render.job, Some(folder.path()), false)?;
+    let mut job = Job::new(&render.job, render.preview, Some(folder.path()), false)?;
     if let Some(budget) = render.budget
         && !choose_again(&mut job, budget, folder.path())?
     {
@@ -30,4 +28,18 @@ pub(super) fn job_of(folder: &FrameFolder, threads: ThreadsArgument) -> Result<J
         return Err(format!("{folder}/quote.ron, where the samples stand, is lost").into());
     }
     Ok(job)
+}
+
+/// Whether the frames of a folder are a preview; not if nobody can tell.
+pub(super) fn is_preview(folder: &FrameFolder) -> bool {
+    render_of(folder).is_ok_and(|render| render.preview)
+}
+
+/// The command that the frames of a folder were rendered by.
+fn render_of(folder: &FrameFolder) -> Result<RenderArguments, Failure> {
+    let arguments = &folder.plan().command.arguments;
+    match Arguments::try_parse_from(arguments)?.command {
+        Command::Render(render) => Ok(render),
+        _ => Err(format!("{}: not rendered by render", folder.path().display()).into()),
+    }
 }

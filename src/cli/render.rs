@@ -4,6 +4,8 @@ use super::interrupt::Interrupt;
 use super::job::Job;
 use super::progress::{clock, rays_per_second};
 use super::quote::{keep_within, score};
+use super::recorded::is_preview;
+use super::sheet::draw;
 use super::values::{OrderArgument, PrepareArgument};
 use super::verify::prove;
 use super::{Failure, Status, warn};
@@ -13,16 +15,29 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<Status, Failure> {
-    let mut job = Job::new(&arguments.job, Some(&arguments.out), arguments.force)?;
+    let out = arguments.folder();
+    if arguments.preview
+        && let Ok(there) = FrameFolder::open(&out)
+        && !is_preview(&there)
+    {
+        let out = out.display();
+        return Err(format!("{out}: holds other frames than a preview; use another --out").into());
+    }
+    let mut job = Job::new(
+        &arguments.job,
+        arguments.preview,
+        Some(&out),
+        arguments.force,
+    )?;
     let count = job.frame_count();
     let frames = match &arguments.frames {
         None => (0..count).collect(),
         Some(ranges) => ranges.of_path(count)?,
     };
     if let Some(budget) = arguments.budget {
-        keep_within(&mut job, budget, &arguments.out, arguments.quiet)?;
+        keep_within(&mut job, budget, &out, arguments.quiet)?;
     }
-    let folder = FrameFolder::new(&arguments.out, job.plan()?, arguments.force);
+    let folder = FrameFolder::new(&out, job.plan()?, arguments.force);
     if arguments.prepare == Some(PrepareArgument::Plan) {
         folder.prepare()?;
         return Ok(Status::Done);
@@ -62,6 +77,13 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
             let _ = writeln!(std::io::stdout(), "{score}");
         }
     }
+    let is_shown = match arguments.preview && !outcome.stopped {
+        true => job
+            .loaded
+            .pool
+            .install(|| show(&folder, &frames, arguments.quiet)),
+        false => true,
+    };
     warn(&shortcomings(&outcome, job.settings.target_error));
     let is_anothers = folder.has_another_plan();
     if is_anothers {
@@ -72,7 +94,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     }
     Ok(if outcome.stopped {
         Status::Interrupted
-    } else if outcome.failures.is_empty() && is_listed && !is_anothers {
+    } else if outcome.failures.is_empty() && is_listed && is_shown && !is_anothers {
         Status::Done
     } else {
         Status::SomeFailed
@@ -111,6 +133,21 @@ fn list(folder: &FrameFolder) -> bool {
         warn(&[format!("{folder}: its frames cannot be listed: {error}")]);
     }
     listed.is_ok()
+}
+
+/// Makes a contact sheet of frames, and says where it is.
+fn show(folder: &FrameFolder, frames: &[u32], quiet: bool) -> bool {
+    let sheet = folder.sheet();
+    let drawn = draw(folder, frames, &sheet);
+    match &drawn {
+        Err(error) => warn(&[error.to_string()]),
+        Ok(()) if quiet => {}
+        Ok(()) => {
+            // As the summary.
+            let _ = writeln!(std::io::stdout(), "contact sheet: {}", sheet.display());
+        }
+    }
+    drawn.is_ok()
 }
 
 fn summarise(outcome: &Outcome, elapsed: Duration, there: u32, folder: &FrameFolder) {

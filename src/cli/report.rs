@@ -21,12 +21,7 @@ fn program() -> std::io::Result<blake3::Hash> {
 pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
     let loaded = load(&arguments.input, &arguments.threads)?;
     let given = loaded.settings(Settings::default());
-    let settings = given.resolve();
-    let size = arguments.size.unwrap_or_else(|| {
-        let columns = settings.width.min(COLUMNS);
-        let rows = f64::from(settings.height) * f64::from(columns) / f64::from(settings.width);
-        (columns, (rows.round() as u32).max(1))
-    });
+    let size = arguments.size.unwrap_or_else(|| given.size_within(COLUMNS));
     let check = Settings {
         size: Some(size),
         target_error: Some(arguments.reference_error),

@@ -115,6 +115,12 @@ pub struct Settings {
 /// A frame of 16,384 x 16,384: many gigabytes while it is rendered, about 20 in the montecarlo modes.
 const MOST_PIXELS: u32 = 1 << 28;
 
+/// Columns and rows, if nothing else is said.
+const SIZE: (u32, u32) = (1280, 720);
+
+/// The most columns of the frames of a preview.
+const PREVIEW_COLUMNS: u32 = 320;
+
 /// The least relMSE that can be asked for.
 pub const LEAST_TARGET_ERROR: f64 = 1e-6;
 
@@ -149,6 +155,28 @@ impl Settings {
             exposure: self.exposure.or(weaker.exposure),
             target_error: self.target_error.or(weaker.target_error),
             gi: self.gi.or(weaker.gi),
+        }
+    }
+
+    /// Columns and rows of frames of the same shape, but of no more than so many columns.
+    pub fn size_within(&self, columns: u32) -> (u32, u32) {
+        let (width, height) = self.size.unwrap_or(SIZE);
+        let columns = width.min(columns);
+        let rows = f64::from(height) * f64::from(columns) / f64::from(width);
+        (columns, (rows.round() as u32).max(1))
+    }
+
+    /// The settings of small frames that are made fast, to see how the camera moves: ray traced, 320 columns, one
+    /// sample in the middle of each pixel.
+    pub fn preview(self) -> Settings {
+        Settings {
+            mode: Some(Mode::Raytracing),
+            size: Some(self.size_within(PREVIEW_COLUMNS)),
+            samples: None,
+            splits: None,
+            target_error: None,
+            gi: None,
+            ..self
         }
     }
 
@@ -240,7 +268,7 @@ impl Settings {
     /// 4 bounces, 32 paths from the first diffuse bounce, seed 0.
     pub fn resolve(&self) -> RenderSettings {
         let mode = self.mode.unwrap_or_default();
-        let (width, height) = self.size.unwrap_or((1280, 720));
+        let (width, height) = self.size.unwrap_or(SIZE);
         let bounces = self.bounces.unwrap_or(4);
         let integrator = match mode {
             Mode::Raytracing | Mode::Supersampling => Integrator::RayTracing { bounces },
@@ -323,6 +351,41 @@ mod tests {
         assert_eq!(known(Mode::Supersampling, None, None, 2), Exact);
         assert_eq!(known(Mode::Montecarlo, None, Some(Exact), 2), Exact);
         assert_eq!(known(Mode::Montecarlo, None, Some(Path), 1), Path);
+    }
+
+    #[test]
+    fn previews_are_small_and_fast_whatever_is_set() {
+        let settings = Settings {
+            mode: Some(Mode::MontecarloSupersampling),
+            size: Some((1000, 4001)),
+            samples: Some(64),
+            bounces: Some(7),
+            splits: Some(vec![8]),
+            target_error: Some(0.01),
+            gi: Some(GlobalIllumination::Path),
+            exposure: Some(1.0),
+            ..Settings::default()
+        };
+        let preview = settings.preview();
+        assert_eq!(preview.check_together(), Ok(()));
+        assert_eq!(preview.global_illumination(99), GlobalIllumination::Exact);
+        let expected = RenderSettings {
+            white: 0.5,
+            ..RenderSettings::new(Integrator::RayTracing { bounces: 7 }, 320, 1280)
+        };
+        assert_eq!(format!("{:?}", preview.resolve()), format!("{expected:?}"));
+        assert_eq!(expected.sampling, PixelSampling::Center);
+        for (size, small) in [
+            (None, (320, 180)),
+            (Some((96, 54)), (96, 54)),
+            (Some((4000, 1)), (320, 1)),
+        ] {
+            let settings = Settings {
+                size,
+                ..Settings::default()
+            };
+            assert_eq!(settings.preview().size, Some(small));
+        }
     }
 
     #[test]

@@ -1,5 +1,5 @@
 use super::format::FrameFormat;
-use super::picture::Contents;
+use super::picture::{Contents, Picture};
 use super::record::FrameRecord;
 use std::io;
 use thiserror::Error;
@@ -48,7 +48,7 @@ pub(super) struct Expected<'a> {
 impl Expected<'_> {
     /// Proves that the bytes of a file are what this program wrote for the frame, to the last of them: its pixels
     /// are those that it says it has, and encoded anew they are the same bytes.
-    pub(super) fn prove(&self, bytes: &[u8]) -> Result<FrameRecord, Fault> {
+    pub(super) fn prove(&self, bytes: &[u8]) -> Result<(FrameRecord, Picture), Fault> {
         if bytes.is_empty() {
             return Err(Fault::Empty);
         }
@@ -74,7 +74,7 @@ impl Expected<'_> {
         if is_stale {
             Err(Fault::Stale)
         } else {
-            Ok(record)
+            Ok((record, picture))
         }
     }
 }

@@ -1,6 +1,7 @@
 use super::fault::{Expected, Fault};
 use super::format::FrameFormat;
 use super::part_file::{PartFile, remove_leftovers, try_out, write_whole};
+use super::picture::Picture;
 use super::plan::Plan;
 use super::record::FrameRecord;
 use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
@@ -16,8 +17,11 @@ use thiserror::Error;
 /// The file beside the frames that says what they are.
 const PLAN_FILE: &str = "sequence.ron";
 
+/// The file beside the frames that shows some of them.
+const SHEET_FILE: &str = "sheet.png";
+
 /// How the names of all files begin that are written to a folder.
-const OWN_FILES: [&str; 7] = [
+const OWN_FILES: [&str; 8] = [
     "frame_",
     "error_",
     PLAN_FILE,
@@ -25,6 +29,7 @@ const OWN_FILES: [&str; 7] = [
     "errors.",
     "quote.ron",
     "light.cache",
+    SHEET_FILE,
 ];
 
 /// Why a folder cannot be used.
@@ -188,10 +193,25 @@ impl FrameFolder {
         self.folder.join(format!("error_{frame:05}.exr"))
     }
 
+    /// The file of a contact sheet.
+    pub fn sheet(&self) -> PathBuf {
+        self.folder.join(SHEET_FILE)
+    }
+
+    /// Whether a file has a name that is kept for what belongs to the frames, other than the contact sheet.
+    pub fn is_reserved(&self, file: &Path) -> bool {
+        let parent = file.parent().filter(|parent| *parent != Path::new(""));
+        let parent = fs::canonicalize(parent.unwrap_or(Path::new(".")));
+        let is_here = parent.is_ok_and(|p| fs::canonicalize(&self.folder).is_ok_and(|f| f == p));
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let is_own = OWN_FILES.iter().any(|own| name.starts_with(own));
+        is_here && is_own && name != SHEET_FILE
+    }
+
     /// Proves that all that is to be kept of a frame is there, whole, as it was written, and made from what the
     /// plan says.
     pub fn prove(&self, frame: u32) -> Result<FrameRecord, Fault> {
-        let record = self.prove_file(&self.file_of(frame), frame, self.plan.format)?;
+        let (record, _) = self.proven(frame)?;
         if self.plan.error_maps {
             let map = self.prove_file(&self.map_of(frame), frame, FrameFormat::Exr);
             map.map_err(|fault| Fault::ErrorMap(Box::new(fault)))?;
@@ -199,12 +219,17 @@ impl FrameFolder {
         Ok(record)
     }
 
+    /// What the file of a frame holds, proven, whatever else is kept of the frame.
+    pub(super) fn proven(&self, frame: u32) -> Result<(FrameRecord, Picture), Fault> {
+        self.prove_file(&self.file_of(frame), frame, self.plan.format)
+    }
+
     fn prove_file(
         &self,
         file: &Path,
         frame: u32,
         format: FrameFormat,
-    ) -> Result<FrameRecord, Fault> {
+    ) -> Result<(FrameRecord, Picture), Fault> {
         let bytes = fs::read(file).map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => Fault::Missing,
             _ => Fault::Unreadable(error),

@@ -1,6 +1,8 @@
 use super::picture::{Contents, Picture};
 use super::{exr_file, png_file};
 use crate::film::Film;
+use crate::math::color::srgb_to_linear;
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::Path;
@@ -49,6 +51,26 @@ impl FrameFormat {
         }
     }
 
+    /// The film that such a picture is of, as far as it tells.
+    pub(super) fn film(self, picture: &Picture) -> Film {
+        let samples = &picture.samples;
+        let channels: Vec<f32> = match self {
+            FrameFormat::Png => {
+                let linear = linear_codes(u8::MAX.into());
+                samples.iter().map(|&code| linear[code as usize]).collect()
+            }
+            FrameFormat::Png16 => {
+                let linear = linear_codes(u16::MAX);
+                let codes = samples.as_chunks().0.iter();
+                let codes = codes.map(|bytes| u16::from_be_bytes(*bytes));
+                codes.map(|code| linear[code as usize]).collect()
+            }
+            FrameFormat::Exr => return exr_file::film(picture),
+        };
+        let pixels = channels.chunks_exact(3).map(Vec3::from_slice).collect();
+        Film::from_pixels(picture.width, picture.height, pixels)
+    }
+
     /// The bytes of a file that holds `picture` and says `note`, a text of printable ASCII; the same for the
     /// same picture and note.
     pub(super) fn encode(self, picture: &Picture, note: &str) -> io::Result<Vec<u8>> {
@@ -77,10 +99,15 @@ impl FrameFormat {
     }
 }
 
+/// The linear value of each sRGB code up to the one that is 1.
+fn linear_codes(most: u16) -> Vec<f32> {
+    let linear = |code| srgb_to_linear(f32::from(code) / f32::from(most));
+    (0..=most).map(linear).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
     use std::io::Cursor;
 
     const SAID: &str = "Frame(frame:7,error:None)";
@@ -142,6 +169,24 @@ mod tests {
             assert!(contents.picture == Some(picture));
             let other = format.decode(&file(format), (2, 3)).expect("whole");
             assert!(other.picture.is_none() && other.note.is_some());
+        }
+    }
+
+    #[test]
+    fn pictures_are_of_films() {
+        for (format, steps) in FORMATS.into_iter().zip([255.0, 65535.0, f32::INFINITY]) {
+            let told = format.film(&format.picture(&film()));
+            assert_eq!((told.width(), told.height()), (3, 2));
+            let shown = |pixel: &Vec3| match format {
+                FrameFormat::Exr => *pixel,
+                _ => pixel.min(Vec3::ONE),
+            };
+            for (told, pixel) in told.pixels().iter().zip(film().pixels()) {
+                // Nowhere is the curve steeper in linear light than 2.3 codes to a code.
+                let error = (told - shown(pixel)).abs().max_element();
+                assert!(error <= 0.5 * 2.3 / steps, "{format:?}: {told} of {pixel}");
+            }
+            assert!(format.picture(&told) == format.picture(&film()));
         }
     }
 

@@ -1,8 +1,9 @@
-//! Finished films to files: names, encodings, and a folder that never holds half a frame; and files of light
-//! that camera paths share. Cameras to files of other programs.
+//! Finished films to files: names, encodings, a folder that never holds half a frame, and sheets of many frames;
+//! files of light that camera paths share; and cameras to files of other programs.
 
 mod camera_path_file;
 mod camera_table;
+mod contact_sheet;
 mod exr_file;
 mod fault;
 mod folder;
@@ -21,6 +22,7 @@ mod tests;
 
 pub use camera_path_file::camera_path_file;
 pub use camera_table::camera_table;
+pub use contact_sheet::ContactSheet;
 pub use exr_file::{decode as decode_exr, encode as encode_exr, note as note_of_exr};
 pub use fault::Fault;
 pub use folder::{FolderError, FrameFolder, Place};

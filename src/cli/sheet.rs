@@ -1,0 +1,30 @@
+use super::args::SheetArguments;
+use super::{Failure, Status};
+use crate::output::{ContactSheet, FrameFolder};
+use std::io::Write;
+use std::path::Path;
+
+pub(super) fn run(arguments: &SheetArguments) -> Result<Status, Failure> {
+    let folder = FrameFolder::open(&arguments.folder)?;
+    let count = folder.plan().frames;
+    let frames = match &arguments.frames {
+        None => (0..count).collect(),
+        Some(ranges) => ranges.of_path(count)?,
+    };
+    let file = arguments.out.clone().unwrap_or_else(|| folder.sheet());
+    if folder.is_reserved(&file) {
+        let file = file.display();
+        return Err(format!("--out: {file} is a name of the frames' own; use another").into());
+    }
+    draw(&folder, &frames, &file)?;
+    if !arguments.quiet {
+        writeln!(std::io::stdout(), "{}", file.display())?;
+    }
+    Ok(Status::Done)
+}
+
+/// Makes a contact sheet of some frames of a folder.
+pub(super) fn draw(folder: &FrameFolder, frames: &[u32], file: &Path) -> Result<(), Failure> {
+    let written = ContactSheet::new(folder, frames).write(file);
+    written.map_err(|error| format!("{}: cannot be written: {error}", file.display()).into())
+}

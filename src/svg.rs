@@ -1,0 +1,77 @@
+//! The texts of SVG files to pixels, with the program's own font.
+
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::{Error, Options, Tree};
+use std::sync::Arc;
+
+/// The pixels of what the text of an SVG file shows, one for each unit of its size. An error if it is no such text
+/// or has more pixels than can be.
+///
+/// Its letters are those of the family `sans-serif`, so that it looks the same on a machine without fonts.
+pub fn pixels(svg: &str) -> Result<Pixmap, Error> {
+    let mut options = Options::default();
+    let fonts = Arc::make_mut(&mut options.fontdb);
+    fonts.load_font_data(notosans::REGULAR_TTF.to_vec());
+    fonts.set_sans_serif_family("Noto Sans");
+    let tree = Tree::from_str(svg, &options)?;
+    let size = tree.size().to_int_size();
+    let pixels = Pixmap::new(size.width(), size.height());
+    let mut pixels = pixels.ok_or(Error::InvalidSize)?;
+    resvg::render(&tree, Transform::default(), &mut pixels.as_mut());
+    Ok(pixels)
+}
+
+/// Any text as the text of an SVG file says it; a space for each character that no such file can have.
+pub fn escaped(text: &str) -> String {
+    let is_barred = |letter: char| letter.is_control() || matches!(letter, '\u{fffe}' | '\u{ffff}');
+    let text = text.replace(is_barred, " ").replace('&', "&amp;");
+    text.replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drawn(content: &str) -> Pixmap {
+        let start = "<svg xmlns='http://www.w3.org/2000/svg' width='80' height='30'>";
+        pixels(&format!("{start}{content}</svg>")).expect("drawn")
+    }
+
+    #[test]
+    fn shapes_are_where_they_should_be() {
+        let drawn = drawn("<rect x='2' y='1' width='3' height='4' fill='#0af'/>");
+        assert_eq!((drawn.width(), drawn.height()), (80, 30));
+        for y in 0..30 {
+            for x in 0..80 {
+                let pixel = drawn.pixel(x, y).expect("inside");
+                let color = [pixel.red(), pixel.green(), pixel.blue(), pixel.alpha()];
+                let is_inside = (2..5).contains(&x) && (1..5).contains(&y);
+                let expected = if is_inside {
+                    [0, 170, 255, 255]
+                } else {
+                    [0; 4]
+                };
+                assert_eq!(color, expected, "{x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn any_text_can_be_written() {
+        let text = |text: &str| {
+            let text = escaped(text);
+            drawn(&format!(
+                "<text y='20' font-family='sans-serif'>{text}</text>"
+            ))
+        };
+        assert_eq!(text("a\u{1}\u{ffff}<&]]>"), text("a  <&]]>"));
+        for (one, other) in [("<", " "), ("&", "<"), ("a > b", "a b"), ("ä", "a")] {
+            assert_ne!(text(one), text(other), "{one} {other}");
+        }
+    }
+
+    #[test]
+    fn no_text_of_a_picture_is_an_error() {
+        assert!(pixels("frame").is_err());
+    }
+}

@@ -117,6 +117,15 @@ impl CameraPath {
         &self.keys
     }
 
+    /// The cameras at the keys, each with the time at which it is passed.
+    pub fn key_cameras(&self) -> Vec<(f64, Camera)> {
+        let frame = |time: f64| ((time - self.timeline.start) * self.timeline.fps).round() as u32;
+        let camera = |time: f64| self.camera_at(time, frame(time)).ok();
+        let keys = self.keys.iter();
+        keys.filter_map(|&time| Some((time, camera(time)?)))
+            .collect()
+    }
+
     /// Whether the path goes on at its first frame after its last.
     pub fn is_closed(&self) -> bool {
         self.timeline.closed

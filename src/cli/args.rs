@@ -1,4 +1,5 @@
 use super::frames::FrameRanges;
+use super::path_args::PathArguments;
 use super::values::{
     AovArgument, FormatArgument, ListFormatArgument, OrderArgument, PrepareArgument,
     ProgressArgument, SampleSize, parse_size, parse_time,
@@ -28,6 +29,7 @@ pub(super) enum Command {
     Bake(BakeArguments),
     Check(CheckArguments),
     Report(ReportArguments),
+    Path(PathArguments),
     /// Run numerically hard cases with known answers on this machine
     ///
     /// Takes less than a minute. Prints for each case what is measured, the most that is right, and the

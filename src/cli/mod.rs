@@ -11,6 +11,10 @@ mod job;
 mod light;
 mod loading;
 mod missing;
+mod path;
+mod path_args;
+mod path_export;
+mod path_import;
 mod progress;
 mod quote;
 mod recorded;
@@ -62,6 +66,7 @@ pub fn run() -> ExitCode {
         Command::Bake(bake) => bake::run(&bake),
         Command::Check(check) => check::run(&check),
         Command::Report(report) => report::run(&report),
+        Command::Path(path) => path::run(&path),
         Command::Selftest => selftest::run(),
     };
     let status = result.unwrap_or_else(|error| {

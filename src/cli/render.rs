@@ -9,6 +9,7 @@ use super::sheet::draw;
 use super::values::{OrderArgument, PrepareArgument};
 use super::verify::prove;
 use super::{Failure, Status, warn};
+use crate::camera::FrameCameras;
 use crate::output::{Fault, FrameFolder, Manifest};
 use crate::render::{ErrorEstimate, Outcome};
 use std::io::Write;
@@ -67,7 +68,8 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     let outcome = job.render(&missing, &folder, shown, interrupt);
     let elapsed = start.elapsed();
 
-    let is_listed = missing.is_empty() && Manifest::is_right(&folder) || list(&folder);
+    let cameras = FrameCameras::of(&job.loaded.path.path);
+    let is_listed = list(&folder, &cameras, !missing.is_empty());
     if !arguments.quiet {
         let there = frames.len() - missing.len();
         summarise(&outcome, elapsed, there as u32, &folder);
@@ -124,10 +126,17 @@ fn missing(folder: &FrameFolder, frames: &[u32], quiet: bool) -> Vec<u32> {
     missing
 }
 
-/// Writes down what the frames of the folder say of themselves.
-fn list(folder: &FrameFolder) -> bool {
-    folder.sync();
-    let listed = Manifest::update(folder);
+/// Writes down what the frames of the folder say of themselves, and their cameras, as far as it is not there; `changed`
+/// if frames were rendered.
+fn list(folder: &FrameFolder, cameras: &FrameCameras, changed: bool) -> bool {
+    let list = || {
+        if changed || !Manifest::is_right(folder) {
+            folder.sync();
+            Manifest::update(folder)?;
+        }
+        folder.keep_cameras(cameras)
+    };
+    let listed = list();
     if let Err(error) = &listed {
         let folder = folder.path().display();
         warn(&[format!("{folder}: its frames cannot be listed: {error}")]);

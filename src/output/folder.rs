@@ -1,9 +1,11 @@
+use super::camera_table::camera_table;
 use super::fault::{Expected, Fault};
 use super::format::FrameFormat;
 use super::part_file::{PartFile, remove_leftovers, try_out, write_whole};
 use super::picture::Picture;
 use super::plan::Plan;
 use super::record::FrameRecord;
+use crate::camera::FrameCameras;
 use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
 use std::collections::HashSet;
 use std::fs::{self, File};
@@ -20,11 +22,15 @@ const PLAN_FILE: &str = "sequence.ron";
 /// The file beside the frames that shows some of them.
 const SHEET_FILE: &str = "sheet.png";
 
+/// The file beside the frames that lists their cameras.
+const CAMERAS_FILE: &str = "cameras.jsonl";
+
 /// How the names of all files begin that are written to a folder.
-const OWN_FILES: [&str; 8] = [
+const OWN_FILES: [&str; 9] = [
     "frame_",
     "error_",
     PLAN_FILE,
+    CAMERAS_FILE,
     "manifest.ron",
     "errors.",
     "quote.ron",
@@ -170,6 +176,16 @@ impl FrameFolder {
     fn plan_there(&self) -> Option<Plan> {
         let text = fs::read_to_string(self.folder.join(PLAN_FILE)).ok()?;
         Plan::from_text(&text).ok()
+    }
+
+    /// Keeps the table of the frames' cameras beside them, if it is not there.
+    pub fn keep_cameras(&self, cameras: &FrameCameras) -> io::Result<()> {
+        let file = self.folder.join(CAMERAS_FILE);
+        let table = camera_table(cameras)?;
+        match fs::read(&file) {
+            Ok(there) if there == table.as_bytes() => Ok(()),
+            _ => write_whole(&file, table.as_bytes()),
+        }
     }
 
     /// Where it is.

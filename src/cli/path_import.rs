@@ -1,0 +1,33 @@
+use super::path_args::ImportArguments;
+use super::{Failure, Status};
+use crate::input::{InputFiles, import_cameras, load_camera_path};
+use crate::output::{camera_path_file, write_whole};
+use std::io::Write;
+
+pub(super) fn run(arguments: &ImportArguments) -> Result<Status, Failure> {
+    let out = &arguments.out;
+    if out.exists() && !arguments.force {
+        let out = out.display();
+        return Err(format!("{out}: is there already; use another name, or --force").into());
+    }
+    let import = import_cameras(&arguments.file, arguments.fps, arguments.camera.as_deref())?;
+    let name = arguments.file.file_name().unwrap_or_default();
+    let from = format!(
+        "The camera of {}: a key for each frame.",
+        name.to_string_lossy().escape_debug()
+    );
+    let text = camera_path_file(&import.frames, import.size, &from);
+    write_whole(out, text.as_bytes())
+        .map_err(|error| format!("{}: cannot be written: {error}", out.display()))?;
+    let path = load_camera_path(out, &mut InputFiles::default())?.path;
+    let timeline = path.timeline();
+    writeln!(
+        std::io::stdout(),
+        "{}: {} frames at {} per second, {:.2} s",
+        out.display(),
+        timeline.frame_count(),
+        timeline.fps,
+        timeline.end - timeline.start
+    )?;
+    Ok(Status::Done)
+}

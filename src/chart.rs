@@ -69,7 +69,7 @@ pub struct ChartError {
 }
 
 /// Colours that also those who see fewer can tell apart (Okabe and Ito 2002), but for yellow.
-const COLORS: [RGBColor; 7] = [
+pub const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -82,7 +82,8 @@ const COLORS: [RGBColor; 7] = [
 /// Beyond so many points the line alone is shown, in the band of what holds it.
 const MOST_MARKS: usize = 40;
 
-const FONT: &str = "sans-serif";
+/// What all text is written in.
+pub const FONT: &str = "sans-serif";
 
 type Drawn = Result<(), Box<dyn Error>>;
 

@@ -17,9 +17,9 @@
 //! | 3 | [`scene`] | how light is gathered, files |
 //! | 4 | [`integrator`] | pixels, frames, time |
 //! | 5 | [`render`] | file formats, folders, terminals |
-//! | 6 | [`bake`] | the same |
+//! | 6 | [`bake`], [`preflight`] | the same, each other |
 //! | 7 | [`input`], [`output`], [`selftest`] | each other, the command line |
-//! | 8 | [`report`], [`forecast`] | each other, the command line |
+//! | 8 | [`report`], [`forecast`], [`plot`] | each other, the command line |
 //! | 9 | [`cli`] | the mathematics |
 
 pub mod accel;
@@ -38,6 +38,8 @@ pub mod material;
 pub mod math;
 pub mod metrics;
 pub mod output;
+pub mod plot;
+pub mod preflight;
 pub mod render;
 pub mod report;
 pub mod sampling;

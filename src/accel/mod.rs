@@ -14,6 +14,7 @@ mod bundle;
 mod found;
 mod kernel;
 mod lanes;
+mod nearest;
 mod node;
 mod oracle;
 mod packet;

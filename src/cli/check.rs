@@ -1,6 +1,8 @@
 use super::args::CheckArguments;
+use super::loading::pool;
 use super::{Failure, Status, warn};
 use crate::input::{InputFiles, load_camera_path, load_scene};
+use crate::preflight::preflight;
 use glam::DVec3;
 use std::io::Write;
 
@@ -53,9 +55,14 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     )?;
     writeln!(out, "mode       {}", settings.mode.unwrap_or_default())?;
     writeln!(out, "size       {}x{}", resolved.width, resolved.height)?;
-    warn(&input.warnings);
-    let warnings = input.warnings.len();
-    writeln!(out, "warnings   {warnings}")?;
+    let (width, height) = (resolved.width, resolved.height);
+    let pool = pool(&arguments.threads)?;
+    let near = arguments.near;
+    let findings = pool.install(|| preflight(scene, &path.path, width, height, near));
+    let findings = findings.iter().map(|finding| finding.to_string());
+    let warnings: Vec<String> = input.warnings.iter().cloned().chain(findings).collect();
+    warn(&warnings);
+    writeln!(out, "warnings   {}", warnings.len())?;
     Ok(Status::Done)
 }
 

@@ -15,6 +15,7 @@ mod path;
 mod path_args;
 mod path_export;
 mod path_import;
+mod path_plot;
 mod progress;
 mod quote;
 mod recorded;

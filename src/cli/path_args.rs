@@ -1,3 +1,4 @@
+use super::args::{InputArguments, ThreadsArgument};
 use super::values::parse_size;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
@@ -11,8 +12,30 @@ pub(super) struct PathArguments {
 
 #[derive(Debug, Subcommand)]
 pub(super) enum PathCommand {
+    Plot(PlotArguments),
     Import(ImportArguments),
     Export(ExportArguments),
+}
+
+/// Draw where a camera path leads through a scene, and how fast, as one picture
+///
+/// A plan from above and an elevation from the side, both to scale and with the scene cut open at the camera:
+/// the path, its keys, what the camera sees, and dots at equal times. Below or beside, over time: speed, turning
+/// and zoom.
+///
+/// Exit status: 0 the picture is there, 2 wrong input or usage.
+#[derive(Debug, Args)]
+pub(super) struct PlotArguments {
+    #[command(flatten)]
+    pub(super) input: InputArguments,
+    /// File for the picture (SVG)
+    #[arg(short, long, value_name = "FILE")]
+    pub(super) out: PathBuf,
+    /// Columns and rows of the frames: how wide the camera sees [default: the path's or the scene's]
+    #[arg(short, long, value_name = "WxH", value_parser = parse_size)]
+    pub(super) size: Option<(u32, u32)>,
+    #[command(flatten)]
+    pub(super) threads: ThreadsArgument,
 }
 
 /// Make a camera path file of an animated camera of another program

@@ -14,4 +14,4 @@ pub use mesh::{Corners, Mesh};
 pub use polygon::{fan, triangulate};
 pub use sphere::Sphere;
 pub use transform::Transform;
-pub use triangle::TrianglePlane;
+pub use triangle::{TrianglePlane, distance_to_triangle};

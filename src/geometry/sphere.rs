@@ -55,6 +55,11 @@ impl Sphere {
         self.radius * self.radius - (x * x + y * y + z * z)
     }
 
+    /// The distance from a point, inside or outside, to the sphere's surface.
+    pub fn distance(&self, point: DVec3) -> f64 {
+        (point.distance(self.center) - self.radius).abs()
+    }
+
     /// The texture coordinates of the point with outward unit `normal`.
     ///
     /// From the direction d to the centre, turned back by the object's rotation:

@@ -81,6 +81,27 @@ pub(super) fn barycentric(point: DVec3, corners: [Vec3; 3]) -> (f64, f64) {
     (u, v)
 }
 
+/// The distance from a point to the nearest point of a triangle, which may be without area: to its plane in
+/// front of it and behind it, elsewhere to the nearest of its edges (the regions of Ericson 2005, "Real-Time
+/// Collision Detection", 5.1.5). In double precision.
+pub fn distance_to_triangle(point: DVec3, corners: [Vec3; 3]) -> f64 {
+    let normal = normal(corners);
+    let [a, b, c] = corners.map(|p| p.as_dvec3());
+    let edges = [(a, b), (b, c), (c, a)];
+    let is_inside = |(from, to): (DVec3, DVec3)| (to - from).cross(point - from).dot(normal) > 0.0;
+    if edges.into_iter().all(is_inside) {
+        return (point - a).dot(normal).abs() / normal.length();
+    }
+    let to_edge = |(from, to): (DVec3, DVec3)| {
+        let (along, point) = (to - from, point - from);
+        // No number where the edge has no length.
+        let share = point.dot(along) / along.length_squared();
+        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
+        point.distance(share * along)
+    };
+    edges.map(to_edge).into_iter().fold(f64::INFINITY, f64::min)
+}
+
 /// The normal of the winding, twice the area long.
 pub(super) fn normal(corners: [Vec3; 3]) -> DVec3 {
     let [a, b, c] = corners.map(|p| p.as_dvec3());
@@ -107,6 +128,56 @@ mod tests {
             barycentric(DVec3::new(0.999, -0.001, 0.0), CORNERS),
             (0.0, 0.0)
         );
+    }
+
+    #[test]
+    fn distances_to_face_edges_and_corners() {
+        for (x, y, z, distance) in [
+            (2.0, 0.5, 3.0, 3.0),
+            (2.0, 0.5, -0.25, 0.25),
+            (2.0, 0.5, 0.0, 0.0),
+            (3.0, -3.0, 4.0, 5.0),
+            (-2.0, 1.0, 4.0, 5.0),
+            (4.0, 3.0, 0.0, 5.0_f64.sqrt()),
+            (9.0, 0.0, 3.0, 5.0),
+            (1.0, 6.0, 3.0, 5.0),
+            (0.0, -1.0, 0.0, 2.0_f64.sqrt()),
+        ] {
+            let found = distance_to_triangle(DVec3::new(x, y, z), CORNERS);
+            assert!((found - distance).abs() < 1e-15, "{found} at {x} {y} {z}");
+        }
+    }
+
+    #[test]
+    fn triangles_without_area_have_a_distance() {
+        let [a, b, _] = CORNERS;
+        let point = DVec3::new(1.0, 3.0, 4.0);
+        assert_eq!(distance_to_triangle(point, [a; 3]), 5.0);
+        assert_eq!(distance_to_triangle(point, [a, b, a]), 5.0);
+        assert_eq!(distance_to_triangle(point, [b, a, a.lerp(b, 0.5)]), 5.0);
+    }
+
+    /// No point of it is nearer, and one of many is almost as near.
+    #[test]
+    fn distances_are_those_of_the_nearest_point() {
+        let mut random = crate::sampling::Random::new(5);
+        for _ in 0..50 {
+            let corners = random.triangle(1.0, 1.0);
+            let [a, b, c] = corners.map(|p| p.as_dvec3());
+            let point = 2.0 * random.point();
+            let found = distance_to_triangle(point, corners);
+            let mut least = f64::INFINITY;
+            for i in 0..=100 {
+                for j in 0..=100 - i {
+                    let (u, v) = (0.01 * f64::from(i), 0.01 * f64::from(j));
+                    least = least.min(point.distance(a + u * (b - a) + v * (c - a)));
+                }
+            }
+            assert!(
+                found <= least + 1e-12 && found > least - 0.03,
+                "{found} {least}"
+            );
+        }
     }
 
     fn distance(origin: Vec3, direction: Vec3) -> f64 {

@@ -95,6 +95,12 @@ impl Scene {
         self.bvh.occluded_of_sights(sights, traversal)
     }
 
+    /// The distance from a point in world coordinates to the nearest surface, or none if it is not below
+    /// `within`; in metres.
+    pub fn distance(&self, point: DVec3, within: f64) -> Option<f64> {
+        self.bvh.distance(point - self.origin, within)
+    }
+
     /// What its surfaces need.
     pub fn features(&self) -> FeatureSet {
         self.features

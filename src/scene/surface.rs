@@ -65,6 +65,24 @@ impl Scene {
         }
     }
 
+    /// Whether `ray` meets the front of a shape at `hit`: what [`Scene::normal`] points away from.
+    pub fn is_front(&self, ray: &Ray, hit: &Hit) -> bool {
+        self.normal(ray, hit).dot(ray.direction) < 0.0
+    }
+
+    /// The unit normal of what `ray` hits, whichever side it sees: out of a sphere, and of a triangle on the side
+    /// that sees its corners counter-clockwise.
+    pub fn normal(&self, ray: &Ray, hit: &Hit) -> Vec3 {
+        let number = hit.primitive as usize;
+        match self.triangles.get(number) {
+            Some(triangle) => triangle.normal,
+            None => {
+                let sphere = &self.spheres[number - self.triangles.len()];
+                (ray.at(hit.t) - sphere.center).normalize().as_vec3()
+            }
+        }
+    }
+
     #[inline]
     fn triangle_point<F: Features>(&self, position: DVec3, triangle: &Triangle) -> ShapePoint {
         let corners = triangle.corners;

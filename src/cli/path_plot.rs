@@ -1,0 +1,25 @@
+use super::loading::load;
+use super::path_args::PlotArguments;
+use super::{Failure, Status};
+use crate::input::Settings;
+use crate::output::write_whole;
+use crate::plot::plot;
+
+pub(super) fn run(arguments: &PlotArguments) -> Result<Status, Failure> {
+    let flags = Settings {
+        size: arguments.size,
+        ..Settings::default()
+    };
+    flags.check().map_err(|error| error.of_flag())?;
+    let loaded = load(&arguments.input, &arguments.threads)?;
+    let settings = loaded.settings(flags).resolve();
+    let aspect = f64::from(settings.width) / f64::from(settings.height);
+    let title = arguments.input.path.file_stem().unwrap_or_default();
+    let (scene, path) = (&loaded.scene.scene, &loaded.path.path);
+    let svg = loaded
+        .pool
+        .install(|| plot(scene, path, aspect, &title.to_string_lossy()))?;
+    write_whole(&arguments.out, svg.as_bytes())
+        .map_err(|error| format!("{}: {error}", arguments.out.display()))?;
+    Ok(Status::Done)
+}

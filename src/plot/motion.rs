@@ -1,0 +1,184 @@
+use crate::camera::{Camera, CameraPath, Timeline};
+use glam::DQuat;
+use std::ops::Range;
+
+/// What a camera does along its path, frame by frame.
+#[derive(Debug)]
+pub(super) struct Motion {
+    /// The camera of each frame, at least one.
+    pub(super) cameras: Vec<Camera>,
+    /// Frames and their times.
+    pub(super) timeline: Timeline,
+    /// The width of a frame over its height.
+    pub(super) aspect: f64,
+    /// The times of the keys, in seconds.
+    pub(super) keys: Vec<f64>,
+    /// The frames between cuts, in their order.
+    pub(super) shots: Vec<Range<u32>>,
+}
+
+impl Motion {
+    pub(super) fn of(path: &CameraPath, aspect: f64) -> Motion {
+        let count = path.timeline().frame_count();
+        let mut shots = Vec::new();
+        let mut start = 0;
+        for end in 1..=count {
+            if end == count || path.is_cut(end - 1) {
+                shots.push(start..end);
+                start = end;
+            }
+        }
+        Motion {
+            cameras: (0..count).map(|frame| path.camera(frame)).collect(),
+            timeline: *path.timeline(),
+            aspect,
+            keys: path.keys().to_vec(),
+            shots,
+        }
+    }
+
+    pub(super) fn camera(&self, frame: u32) -> &Camera {
+        &self.cameras[frame as usize]
+    }
+
+    pub(super) fn frame_count(&self) -> u32 {
+        self.timeline.frame_count()
+    }
+
+    /// The frame that is nearest to a time.
+    pub(super) fn frame_at(&self, time: f64) -> u32 {
+        let last = self.frame_count() - 1;
+        let duration = self.timeline.time_of(last) - self.timeline.start;
+        let share = (time - self.timeline.start) / duration;
+        // NaN for a still, which becomes 0.
+        (share * f64::from(last))
+            .round()
+            .clamp(0.0, f64::from(last)) as u32
+    }
+
+    /// How far the camera goes, in metres; jumps do not count.
+    pub(super) fn length(&self) -> f64 {
+        self.shots
+            .iter()
+            .flat_map(|shot| self.steps(shot))
+            .map(|(a, b)| a.position.distance(b.position))
+            .sum()
+    }
+
+    /// Metres per second of the video, in the middles between the frames of a shot: seconds and speeds.
+    pub(super) fn speeds(&self, shot: &Range<u32>) -> Vec<(f64, f64)> {
+        let speeds = self
+            .steps(shot)
+            .map(|(a, b)| a.position.distance(b.position));
+        self.rates(shot, speeds)
+    }
+
+    /// As [`Motion::speeds`], degrees per second by which the camera turns.
+    pub(super) fn turn_rates(&self, shot: &Range<u32>) -> Vec<(f64, f64)> {
+        let turns = self.steps(shot).map(|(a, b)| {
+            let turn = DQuat::from_mat3(&(a.rotation.transpose() * b.rotation));
+            let half = libm::atan2(turn.xyz().length(), turn.w.abs());
+            (2.0 * half).to_degrees()
+        });
+        self.rates(shot, turns)
+    }
+
+    /// The vertical field of view of the frames of a shot: seconds and degrees.
+    pub(super) fn fields_of_view(&self, shot: &Range<u32>) -> Vec<(f64, f64)> {
+        let of = |frame| {
+            let half = libm::atan(self.camera(frame).half_height);
+            (self.timeline.time_of(frame), (2.0 * half).to_degrees())
+        };
+        shot.clone().map(of).collect()
+    }
+
+    fn steps(&self, shot: &Range<u32>) -> impl Iterator<Item = (&Camera, &Camera)> {
+        let cameras = &self.cameras[shot.start as usize..shot.end as usize];
+        cameras.windows(2).map(|pair| (&pair[0], &pair[1]))
+    }
+
+    fn rates(&self, shot: &Range<u32>, steps: impl Iterator<Item = f64>) -> Vec<(f64, f64)> {
+        let middle =
+            |frame| 0.5 * (self.timeline.time_of(frame) + self.timeline.time_of(frame + 1));
+        let rate = |(frame, step): (u32, f64)| (middle(frame), step * self.timeline.fps);
+        shot.clone().zip(steps).map(rate).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Keyframe, Orientation, Pace, Segment, Shape};
+    use glam::DVec3;
+
+    fn path(seconds: f64, turn: f64) -> CameraPath {
+        let key = |time: f64, x: f64, degrees: f64| Keyframe {
+            time,
+            position: DVec3::new(x, 0.0, 0.0),
+            orientation: Orientation::Rotation(DQuat::from_rotation_y(degrees.to_radians())),
+            field_of_view: 1.0,
+            segment: Segment::of(Shape::Linear),
+        };
+        let keys = [key(1.0, 0.0, 0.0), key(1.0 + seconds, 6.0, turn)];
+        CameraPath::new(10.0, &keys, &Pace::BY_KEYS).expect("two keys")
+    }
+
+    #[test]
+    fn rates_are_per_second_and_stand_between_frames() {
+        let motion = Motion::of(&path(2.0, 90.0), 1.5);
+        assert!((motion.length() - 6.0).abs() < 1e-12);
+        let whole = motion.shots[0].clone();
+        assert_eq!((motion.shots.len(), &whole), (1, &(0..21)));
+        let (speeds, turns) = (motion.speeds(&whole), motion.turn_rates(&whole));
+        assert_eq!((speeds.len(), turns.len()), (20, 20));
+        for ((step, speed), turn) in (0..20).zip(&speeds).zip(&turns) {
+            let time = 1.05 + 0.1 * f64::from(step);
+            assert!((speed.0 - time).abs() < 1e-12 && (turn.0 - time).abs() < 1e-12);
+            assert!((speed.1 - 3.0).abs() < 1e-9 && (turn.1 - 45.0).abs() < 1e-9);
+        }
+        for (_, degrees) in motion.fields_of_view(&whole) {
+            assert!((degrees - 1.0_f64.to_degrees()).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn shots_end_where_the_camera_jumps() {
+        let key = |time: f64, x: f64, shape| Keyframe {
+            time,
+            position: DVec3::new(x, 0.0, 0.0),
+            orientation: Orientation::Rotation(DQuat::IDENTITY),
+            field_of_view: 1.0,
+            segment: Segment::of(shape),
+        };
+        let keys = [
+            key(0.0, 0.0, Shape::Linear),
+            key(1.0, 1.0, Shape::Hold),
+            key(2.0, 50.0, Shape::Linear),
+            key(3.0, 51.0, Shape::Linear),
+        ];
+        let path = CameraPath::new(10.0, &keys, &Pace::BY_KEYS).expect("a path with a cut");
+        let motion = Motion::of(&path, 1.5);
+        assert_eq!(motion.shots, [0..20, 20..31]);
+        assert!((motion.length() - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn frames_are_found_by_their_times() {
+        let motion = Motion::of(&path(2.0, 0.0), 1.5);
+        for (time, frame) in [(0.0, 0), (1.0, 0), (1.52, 5), (3.0, 20), (9.0, 20)] {
+            assert_eq!(motion.frame_at(time), frame);
+        }
+        let key = Keyframe {
+            time: 3.0,
+            position: DVec3::ZERO,
+            orientation: Orientation::Rotation(DQuat::IDENTITY),
+            field_of_view: 1.0,
+            segment: Segment::of(Shape::Linear),
+        };
+        let still = CameraPath::new(24.0, &[key], &Pace::BY_KEYS).expect("a still");
+        let still = Motion::of(&still, 1.0);
+        assert_eq!(still.frame_at(3.0), 0);
+        assert!(still.speeds(&(0..1)).is_empty());
+        assert_eq!(still.fields_of_view(&(0..1)).len(), 1);
+    }
+}

@@ -1,0 +1,228 @@
+//! Where the camera touches the scene.
+
+use super::finding::Measured;
+use super::flight::Flight;
+use super::inside::{Sight, eye, frames_inside};
+use super::{Finding, Frames, Oddity};
+use crate::accel::Traversal;
+use crate::camera::Camera;
+use crate::math::Ray;
+use crate::scene::Scene;
+use rayon::prelude::*;
+
+pub(super) fn find(scene: &Scene, flight: &Flight, near: f64) -> Vec<Finding> {
+    let cameras = flight.cameras.par_iter();
+    let sights: Vec<Sight> = cameras.map(|camera| Sight::new(scene, camera)).collect();
+    let passages = flight.steps(|from, to| passage(scene, from, to));
+    let passages: Vec<Option<i32>> = passages.into_iter().map(Option::flatten).collect();
+    let through: Vec<usize> = (0..passages.len())
+        .filter(|&frame| passages[frame].is_some())
+        .collect();
+    let distance = |frame: usize, within| scene.distance(flight.cameras[frame].position, within);
+    let depths: Vec<Measured> = frames_inside(flight, &sights, &passages)
+        .into_iter()
+        .filter_map(|frame| Some((frame, distance(frame, f64::INFINITY)?)))
+        .collect();
+    let frames = (0..flight.cameras.len()).into_par_iter();
+    // The nearer the worse.
+    let distances: Vec<Measured> = frames
+        .filter_map(|frame| Some((frame, -distance(frame, near)?)))
+        .collect();
+    let inside = Finding::of(&depths, |frame, depth| Oddity::Inside { frame, depth });
+    let through = (!through.is_empty()).then(|| Finding {
+        frames: Frames::of(through.iter().map(|&frame| frame as u32)),
+        kind: Oddity::Through,
+    });
+    let near = Finding::of(&distances, |frame, distance| Oddity::Near {
+        frame,
+        distance: -distance,
+        near,
+    });
+    [inside, through, near].into_iter().flatten().collect()
+}
+
+/// In how many more bodies the camera is after a step, -1..=1, if their faces look outward; none if there is no
+/// surface on the way.
+fn passage(scene: &Scene, from: &Camera, to: &Camera) -> Option<i32> {
+    let (from, to) = (eye(scene, from), eye(scene, to));
+    if from == to {
+        return None;
+    }
+    let rays = [Ray::new(from, to - from), Ray::new(to, from - to)];
+    let mut hits = [None; 2];
+    scene.closest_of_wave(&rays, &mut hits, &mut Traversal::default());
+    // Whether the camera is in front of the surface that is nearest to it on the way.
+    let in_front = |i: usize| {
+        let hit = hits[i].filter(|hit| hit.t <= 1.0)?;
+        Some(scene.is_front(&rays[i], &hit))
+    };
+    let change = |before: bool, after: bool| i32::from(before) - i32::from(after);
+    match (in_front(0), in_front(1)) {
+        (None, None) => None,
+        (Some(before), Some(after)) => Some(change(before, after)),
+        // One of them is on the surface: it is beyond it.
+        (Some(before), None) => Some(change(before, !before)),
+        (None, Some(after)) => Some(change(!after, after)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stage::{cuboid, flight, hall, inverted, scene, still, walk};
+    use super::*;
+    use crate::scene::SourceMesh;
+    use glam::DVec3;
+
+    const NEAR: f64 = 0.1;
+
+    /// At eye level, from the left to the right.
+    fn findings(scene: &Scene) -> Vec<Finding> {
+        let at = |x| DVec3::new(x, 1.7, 0.3);
+        find(scene, &Flight::new(&walk(at(-2.41), at(2.39))), NEAR)
+    }
+
+    fn pillar() -> SourceMesh {
+        cuboid(DVec3::new(-0.3, 0.0, -0.7), DVec3::new(0.9, 4.0, 1.3))
+    }
+
+    /// Frames go from -2.41 m on in steps of 0.2 m.
+    fn frames_between(from: f64, to: f64) -> Vec<u32> {
+        let is_between = |frame: &u32| (from..to).contains(&(0.2 * f64::from(*frame) - 2.41));
+        (0..=24).filter(is_between).collect()
+    }
+
+    #[test]
+    fn a_walk_through_a_pillar_is_found_whatever_is_around() {
+        let outside = DVec3::new(5.0, 4.0, 5.0);
+        let rooms = [
+            vec![],
+            vec![hall()],
+            // Faces the wrong way.
+            vec![cuboid(-outside, outside)],
+        ];
+        // The pillar's faces look outward, or inward.
+        let pillars = [pillar(), inverted(pillar())];
+        for (room, pillar) in rooms
+            .iter()
+            .flat_map(|room| pillars.iter().map(move |p| (room, p)))
+        {
+            let meshes = [&room[..], std::slice::from_ref(pillar)].concat();
+            let found = findings(&scene(meshes, &[]));
+            assert_eq!(found.len(), 3, "{found:?}");
+            assert_eq!(found[0].frames, Frames::of(frames_between(-0.3, 0.9)));
+            // The middle of 1.2 m is between frames.
+            let Oddity::Inside { frame: 14, depth } = found[0].kind else {
+                panic!("{:?}", found[0].kind)
+            };
+            assert!((depth - 0.51).abs() < 1e-5, "{depth}");
+            assert_eq!(found[1].kind, Oddity::Through);
+            assert_eq!(found[1].frames, Frames::of([10, 16]));
+            let Oddity::Near { distance, .. } = found[2].kind else {
+                panic!("{:?}", found[2].kind)
+            };
+            assert!((distance - 0.09).abs() < 1e-5, "{distance}");
+        }
+    }
+
+    #[test]
+    fn a_ball_is_a_body_and_may_be_a_room() {
+        let ball = (DVec3::new(0.1, 1.5, 0.0), 0.62);
+        let sky = (DVec3::ZERO, 100.0);
+        for spheres in [&[ball][..], &[sky, ball]] {
+            let found = findings(&scene(vec![], spheres));
+            let half = (0.62_f64.powi(2) - 0.2_f64.powi(2) - 0.3_f64.powi(2)).sqrt();
+            let inside = frames_between(0.1 - half, 0.1 + half);
+            assert_eq!(found[0].frames, Frames::of(inside.iter().copied()));
+            assert!(matches!(found[0].kind, Oddity::Inside { .. }));
+            let passed = [inside[0] - 1, inside[inside.len() - 1]];
+            assert_eq!(found[1].frames, Frames::of(passed));
+        }
+        assert_eq!(findings(&scene(vec![], &[sky])), []);
+        // Past things in it, where it sees fronts, too.
+        let beside = (DVec3::new(0.0, 1.7, -0.4), 0.55);
+        assert_eq!(findings(&scene(vec![], &[sky, beside])), []);
+        assert_eq!(findings(&scene(vec![hall()], &[beside])), []);
+        assert_eq!(findings(&scene(vec![], &[])), []);
+    }
+
+    #[test]
+    fn a_wall_may_be_thinner_than_a_step() {
+        for thickness in [0.0, 0.01] {
+            let min = DVec3::new(0.1, 0.0, -5.0);
+            let wall = cuboid(min, DVec3::new(0.1 + thickness, 4.0, 5.0));
+            let found = findings(&scene(vec![hall(), wall], &[]));
+            assert_eq!(found[0].kind, Oddity::Through, "{thickness}");
+            assert_eq!(found[0].frames, Frames::of([12]));
+        }
+    }
+
+    #[test]
+    fn the_room_behind_a_wall_of_one_side_is_no_body() {
+        let corners = [(-5.0, 0.0), (5.0, 0.0), (5.0, 4.0), (-5.0, 4.0)];
+        let sheet = SourceMesh {
+            positions: corners.map(|(z, y)| DVec3::new(0.1, y, z)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..hall()
+        };
+        for sheet in [sheet.clone(), inverted(sheet)] {
+            let found = findings(&scene(vec![hall(), sheet], &[]));
+            assert_eq!(found[0].kind, Oddity::Through);
+            assert_eq!(found[0].frames, Frames::of([12]));
+        }
+    }
+
+    #[test]
+    fn a_hall_that_is_left_is_no_body() {
+        let path = walk(DVec3::new(0.1, 1.7, 0.0), DVec3::new(6.0, 1.7, 0.0));
+        let found = find(&scene(vec![hall()], &[]), &Flight::new(&path), 0.01);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found[0].kind, Oddity::Through);
+    }
+
+    #[test]
+    fn cameras_on_a_surface_pass_it_or_not() {
+        let wall = cuboid(DVec3::new(0.0, 0.0, -5.0), DVec3::new(0.5, 4.0, 5.0));
+        let scene = scene(vec![hall(), wall], &[]);
+        let found = |places: &[f64]| {
+            let camera = |x: &f64| still(DVec3::new(*x, 1.0, 0.0), DVec3::NEG_Z);
+            let found = find(&scene, &flight(places.iter().map(camera).collect()), 1e-9);
+            found
+                .into_iter()
+                .find(|f| matches!(f.kind, Oddity::Inside { .. }))
+        };
+        let in_wall = found(&[-0.5, 0.0, 0.25, 0.4]).expect("inside");
+        assert_eq!(in_wall.frames, Frames::of([2, 3]));
+        assert_eq!(found(&[-0.5, 0.0, -0.25, -0.4]), None);
+    }
+
+    #[test]
+    fn jumps_into_a_body_are_found() {
+        let scene = scene(vec![hall(), pillar()], &[]);
+        let camera = |x: f64| still(DVec3::new(x, 1.0, 0.0), DVec3::NEG_Z);
+        let mut flight = flight([-1.0, -1.1, 0.2, 0.3, 2.0].map(camera).to_vec());
+        flight.cuts[1] = true;
+        flight.cuts[3] = true;
+        let found = find(&scene, &flight, NEAR);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found[0].frames, Frames::of([2, 3]));
+        assert!(matches!(found[0].kind, Oddity::Inside { frame: 3, .. }));
+    }
+
+    #[test]
+    fn nearness_is_exact() {
+        // 0.2 m above a thin plate's edge, of which no ray in some directions would know.
+        let plate = cuboid(DVec3::new(-9.0, 0.0, 0.0), DVec3::new(9.0, 1.5, 1e-4));
+        let found = |within| {
+            let scene = scene(vec![plate.clone()], &[]);
+            let at = |x| DVec3::new(x, 1.7, 0.0);
+            find(&scene, &Flight::new(&walk(at(-1.0), at(1.0))), within)
+        };
+        assert_eq!(found(0.1999), []);
+        let all = &found(0.2001)[0];
+        assert_eq!(all.frames, Frames::of(0..=24));
+        let Oddity::Near { distance, .. } = all.kind else {
+            panic!("{all:?}")
+        };
+        assert!((distance - 0.2).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,93 @@
+//! What is odd about a camera path through a scene, frame by frame, before any is rendered: cameras in walls,
+//! jumps of the velocity, turns that strobe.
+//!
+//! Knows nothing of files or terminals, nor of how light is gathered: it looks at where the camera is, and at
+//! what some rays of each frame meet.
+
+mod contact;
+mod finding;
+mod flight;
+mod frames;
+mod heading;
+mod inside;
+mod motion;
+mod seam;
+#[cfg(test)]
+mod stage;
+mod strobing;
+
+pub use finding::{Finding, Oddity};
+pub use frames::Frames;
+
+use crate::camera::CameraPath;
+use crate::scene::Scene;
+use flight::Flight;
+use glam::DVec2;
+
+/// What is odd about a camera path whose frames have `width` x `height` pixels, the worst kinds first; nothing
+/// for a path that is as it should be. `near` is how many metres the camera should stay away from surfaces.
+///
+/// Works on the threads of the current pool; the result does not depend on them.
+pub fn preflight(
+    scene: &Scene,
+    path: &CameraPath,
+    width: u32,
+    height: u32,
+    near: f64,
+) -> Vec<Finding> {
+    let flight = Flight::new(path);
+    let size = DVec2::new(width.into(), height.into());
+    let mut findings = contact::find(scene, &flight, near);
+    findings.extend(motion::find(&flight, height));
+    findings.extend(heading::find(&flight));
+    findings.extend(strobing::find(scene, &flight, size));
+    findings.extend(seam::find(&flight));
+    findings
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stage::{hall, path, scene, walk};
+    use super::*;
+    use crate::camera::Shape;
+    use glam::DVec3;
+
+    #[test]
+    fn a_walk_through_a_hall_is_as_it_should_be() {
+        let scene = scene(vec![hall()], &[]);
+        let at = |x, z| DVec3::new(x, 1.7, z);
+        let target = at(0.0, -30.0);
+        let keys = [
+            (0.0, at(0.0, 4.0), target),
+            (2.0, at(1.0, 2.0), target),
+            (4.0, at(-1.0, 0.0), target),
+            (6.0, at(0.0, -2.0), target),
+        ];
+        let path = path(Shape::CatmullRom, &keys);
+        assert_eq!(preflight(&scene, &path, 1280, 720, 0.1), []);
+    }
+
+    #[test]
+    fn nothing_is_odd_where_there_is_nothing() {
+        let nothing = scene(vec![], &[]);
+        let far = DVec3::splat(1e6);
+        for path in [walk(far, far), walk(far, far + DVec3::X)] {
+            assert_eq!(preflight(&nothing, &path, 1, 1, 0.1), []);
+        }
+        let still = path(Shape::Linear, &[(0.0, far, DVec3::ZERO)]);
+        assert_eq!(preflight(&nothing, &still, 1280, 720, 0.1), []);
+    }
+
+    #[test]
+    fn the_result_does_not_depend_on_threads() {
+        let scene = scene(vec![hall()], &[(DVec3::new(0.0, 1.7, 0.0), 0.5)]);
+        let path = walk(DVec3::new(-6.0, 1.7, 0.1), DVec3::new(6.0, 1.7, 0.1));
+        let findings = [1, 3].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let pool = pool.expect("threads");
+            pool.install(|| preflight(&scene, &path, 1280, 720, 0.1))
+        });
+        assert_eq!(findings[0], findings[1]);
+        assert!(findings[0].len() >= 3);
+    }
+}

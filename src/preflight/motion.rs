@@ -1,0 +1,298 @@
+//! How evenly the camera moves and turns.
+
+use super::finding::Measured;
+use super::flight::Flight;
+use super::{Finding, Oddity};
+use crate::camera::Camera;
+use glam::{DQuat, DVec3};
+
+/// A step so many times as long as the median is odd: ways in and out of rest and around corners make them
+/// differ by half as much.
+const FAST: f64 = 4.0;
+
+/// A change by more than this share of the usual speed is a jump: that of a corner of 11 degrees. Eyes tell speeds
+/// apart that differ by a quarter of it (McKee 1981, "A local mechanism for differential velocity detection").
+const LEAST_JUMP: f64 = 0.2;
+
+/// A jump, over two frames, is more than so many times as large as the change from frame to frame before and after
+/// it: more than twice what a steady change gives.
+const ABRUPT: f64 = 4.0;
+
+/// Changes of position below this share of the coordinates are rounding.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+/// Turns by fewer radians are rounding.
+const LEAST_TURN: f64 = 1e-7;
+
+pub(super) fn find(flight: &Flight, height: u32) -> Vec<Finding> {
+    let cameras = flight.cameras.iter();
+    let size = cameras.fold(0.0_f64, |size, camera| {
+        size.max(camera.position.abs().max_element())
+    });
+    let fps = flight.fps;
+    let steps = flight.steps(|from, to| to.position - from.position);
+    let turns = flight.steps(turn);
+    let mut findings = Vec::new();
+    if let Some(usual) = usual(&steps, ROUNDING * size) {
+        let length = |(frame, step): (usize, &Option<DVec3>)| Some((frame, (*step)?.length()));
+        let fast: Vec<Measured> = (steps.iter().enumerate())
+            .filter_map(length)
+            .filter(|(_, length)| *length > FAST * usual)
+            .collect();
+        let usual_speed = usual * fps;
+        findings.extend(Finding::of(&fast, |frame, length| Oddity::Fast {
+            frame,
+            speed: length * fps,
+            usual: usual_speed,
+        }));
+        let jumps = jumps(&steps, |_| LEAST_JUMP * usual);
+        let (at_seam, jumps) = apart(flight, jumps);
+        findings.extend(Finding::of(&jumps, |frame, jump| Oddity::VelocityJump {
+            frame,
+            jump: jump * fps,
+            usual: usual_speed,
+        }));
+        findings.extend(Finding::of(&at_seam, |_, jump| {
+            Oddity::VelocityJumpAtSeam {
+                jump: jump * fps,
+                usual: usual_speed,
+            }
+        }));
+    }
+    if let Some(usual) = usual(&turns, LEAST_TURN) {
+        // Less than a pixel is not seen.
+        let pixel = |frame: usize| 2.0 * flight.cameras[frame].half_height / f64::from(height);
+        let jumps = jumps(&turns, |frame| pixel(frame).max(LEAST_JUMP * usual));
+        let (at_seam, jumps) = apart(flight, jumps);
+        findings.extend(Finding::of(&jumps, |frame, jump| Oddity::TurnJump {
+            frame,
+            jump: jump * fps,
+        }));
+        findings.extend(Finding::of(&at_seam, |_, jump| Oddity::TurnJumpAtSeam {
+            jump: jump * fps,
+        }));
+    }
+    findings
+}
+
+/// The rotation from one camera to another: its axis, as long as the angle in radians.
+fn turn(from: &Camera, to: &Camera) -> DVec3 {
+    DQuat::from_mat3(&(to.rotation * from.rotation.transpose())).to_scaled_axis()
+}
+
+/// The median length of the steps that are longer than `least`; none if there are none.
+fn usual(steps: &[Option<DVec3>], least: f64) -> Option<f64> {
+    let lengths = steps.iter().flatten().map(|step| step.length());
+    let mut moving: Vec<f64> = lengths.filter(|length| *length > least).collect();
+    moving.sort_unstable_by(f64::total_cmp);
+    moving.get(moving.len() / 2).copied()
+}
+
+/// The frames at which steps change all at once, by more than `least` of the frame, and by how much.
+///
+/// The change may be spread over two frames, as a corner is that lies between them: so steps are compared with
+/// those two before. It must stand out from the changes around, which a smooth curve's does not, be it as
+/// narrow as it may. Where too little is known of what is around, at the ends of a shot, nothing is found.
+fn jumps(steps: &[Option<DVec3>], least: impl Fn(usize) -> f64) -> Vec<Measured> {
+    let count = steps.len() as isize;
+    // The ends are joined: what is beyond the last frame of a path that is not closed is no step.
+    let difference = |from: isize, to: isize| -> Option<f64> {
+        let step = |frame: isize| steps[frame.rem_euclid(count) as usize];
+        let all = (from..=to).all(|frame| step(frame).is_some());
+        Some((step(to)? - step(from)?).length()).filter(|_| all)
+    };
+    let change = |frame: isize| difference(frame - 1, frame);
+    let jump = |frame: isize| {
+        let own = change(frame)?;
+        let is_peak = change(frame - 1).is_none_or(|before| before < own)
+            && change(frame + 1).is_none_or(|after| after <= own);
+        let pairs = [
+            difference(frame - 2, frame),
+            difference(frame - 1, frame + 1),
+        ];
+        let jump = pairs.into_iter().flatten().fold(own, f64::max);
+        let around = [-3, -2, 2, 3].map(|offset| change(frame + offset));
+        let around = around.into_iter().flatten().reduce(f64::max)?;
+        (is_peak && jump > least(frame as usize) + ABRUPT * around).then_some(jump)
+    };
+    let frames = (0..count).filter_map(|frame| Some((frame as usize, jump(frame)?)));
+    frames.collect()
+}
+
+/// What is found where a closed path goes on at its first frame, and what is found elsewhere.
+fn apart(flight: &Flight, found: Vec<Measured>) -> (Vec<Measured>, Vec<Measured>) {
+    let last = flight.cameras.len() - 1;
+    let is_at_seam = |(frame, _): &Measured| flight.is_closed && (*frame == 0 || *frame == last);
+    found.into_iter().partition(is_at_seam)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stage::{FPS, flight, path, still};
+    use super::*;
+    use crate::camera::Shape::{self, CatmullRom, Linear};
+    use crate::preflight::Frames;
+    use std::f64::consts::{PI, TAU};
+
+    const HEIGHT: u32 = 720;
+
+    /// Looks at one point far away, so that it hardly turns.
+    fn of_places(shape: Shape, keys: &[(f64, f64, f64)]) -> Vec<Finding> {
+        let target = DVec3::new(3.0, 0.0, -1e5);
+        let keys: Vec<(f64, DVec3, DVec3)> = keys
+            .iter()
+            .map(|&(time, x, z)| (time, DVec3::new(x, 1.7, z), target))
+            .collect();
+        find(&Flight::new(&path(shape, &keys)), HEIGHT)
+    }
+
+    const CORNER: [(f64, f64, f64); 3] = [(0.0, 0.0, 0.0), (2.0, 0.0, -2.0), (4.0, 1.0, -3.7)];
+
+    #[test]
+    fn smooth_paths_are_not_odd() {
+        assert_eq!(of_places(CatmullRom, &CORNER), []);
+        assert_eq!(of_places(Linear, &[CORNER[0], CORNER[2]]), []);
+        assert_eq!(of_places(Linear, &[CORNER[0]]), []);
+        // Goes and stands, twice; in half a second, too.
+        for share in [1.0, 0.25] {
+            let stops = [
+                (0.0, 0.0, 0.0),
+                (1.0, 0.0, 0.0),
+                (3.0, 0.0, -2.0),
+                (4.0, 0.0, -2.0),
+                (6.0, 2.0, -2.0),
+                (7.0, 2.0, -2.0),
+            ];
+            let stops = stops.map(|(time, x, z)| (share * time, share * x, share * z));
+            assert_eq!(of_places(CatmullRom, &stops), [], "{share}");
+        }
+        // A circle, and a look around.
+        let around = |frame: u32| {
+            let (sin, cos) = (TAU * f64::from(frame) / 240.0).sin_cos();
+            still(
+                DVec3::new(1e6 + 3.0 * cos, 1.7, 3.0 * sin),
+                DVec3::new(cos, 0.2, sin),
+            )
+        };
+        assert_eq!(find(&flight((0..240).map(around).collect()), HEIGHT), []);
+        let mut closed = flight((0..240).map(around).collect());
+        closed.is_closed = true;
+        assert_eq!(find(&closed, HEIGHT), []);
+    }
+
+    #[test]
+    fn corners_of_linear_paths_are_jumps() {
+        // From (0, -1) m/s to (0.5, -0.85) m/s; also where the key is between two frames.
+        for late in [0.0, 0.01, 0.02] {
+            let keys =
+                CORNER.map(|(time, x, z)| (time + if time == 2.0 { late } else { 0.0 }, x, z));
+            let found = of_places(Linear, &keys);
+            assert_eq!(found.len(), 1, "{found:?}");
+            assert!(
+                [[[48, 48]], [[49, 49]]]
+                    .iter()
+                    .any(|runs| found[0].frames.runs() == runs)
+            );
+            let Oddity::VelocityJump { jump, usual, .. } = found[0].kind else {
+                panic!("{found:?}")
+            };
+            assert!((jump - 0.522).abs() < 0.02, "{jump}");
+            assert!((usual - 0.99).abs() < 0.02, "{usual}");
+        }
+        // An end all at once, and one with a key on the way that changes nothing.
+        let stop = [(0.0, 0.0, 0.0), (2.0, 0.0, -2.0), (4.0, 0.0, -2.0)];
+        let found = of_places(Linear, &stop);
+        assert_eq!(found.len(), 1);
+        assert!(matches!(
+            found[0].kind,
+            Oddity::VelocityJump { frame: 48, .. }
+        ));
+        assert_eq!(of_places(Linear, &[stop[0], (0.7, 0.0, -0.7), stop[1]]), []);
+    }
+
+    #[test]
+    fn a_dash_and_a_slip_are_found() {
+        let dash = [
+            (0.0, 0.0, 0.0),
+            (3.0, 0.0, -3.0),
+            (4.0, 0.0, -9.0),
+            (7.0, 0.0, -12.0),
+        ];
+        let found = of_places(CatmullRom, &dash);
+        assert_eq!(found.len(), 1, "{found:?}");
+        let Oddity::Fast { frame, speed, .. } = found[0].kind else {
+            panic!("{found:?}")
+        };
+        assert!((72..96).contains(&frame) && speed > 5.0 && speed < 12.0);
+        // One frame beside the path, and on it again.
+        let place = |i: u32| {
+            let beside = if i == 30 { 0.02 } else { 0.0 };
+            still(DVec3::new(beside, 0.0, -0.05 * f64::from(i)), DVec3::NEG_Z)
+        };
+        let found = find(&flight((0..60).map(place).collect()), HEIGHT);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(matches!(
+            found[0].kind,
+            Oddity::VelocityJump { frame: 30, .. }
+        ));
+    }
+
+    #[test]
+    fn corners_of_a_pan_are_jumps_of_the_turning() {
+        // 10 degrees/s to the right, then as much to the left; then 10 degrees/s for good.
+        for (after, is_odd) in [(-1.0, true), (1.0, false)] {
+            let camera = |i: u32| {
+                let (before, after) = (i.min(40), after * f64::from(i.max(40) - 40));
+                let (sin, cos) = ((f64::from(before) + after) * PI / 18.0 / FPS).sin_cos();
+                still(DVec3::ZERO, DVec3::new(sin, 0.0, -cos))
+            };
+            let found = find(&flight((0..80).map(camera).collect()), HEIGHT);
+            assert_eq!(found.len(), usize::from(is_odd), "{found:?}");
+            for finding in found {
+                let Oddity::TurnJump { frame: 40, jump } = finding.kind else {
+                    panic!("{finding:?}")
+                };
+                assert!((jump - PI / 9.0).abs() < 1e-9);
+            }
+        }
+        // Nobody sees a corner of a hundredth of a degree.
+        let slow = |i: u32| {
+            still(
+                DVec3::ZERO,
+                DVec3::new(1e-5 * f64::from(i.min(40)), 0.0, -1.0),
+            )
+        };
+        assert_eq!(find(&flight((0..80).map(slow).collect()), HEIGHT), []);
+    }
+
+    #[test]
+    fn seams_of_closed_paths_are_found() {
+        // Half a circle and the straight way back is no smooth whole.
+        let arc = |frame: u32| {
+            let (sin, cos) = (PI * f64::from(frame) / 100.0).sin_cos();
+            DVec3::new(cos, 0.0, sin)
+        };
+        let back = |frame: u32| DVec3::new(-1.0 + 2.0 * f64::from(frame) / 100.0, 0.0, 0.0);
+        let places = (0..100).map(arc).chain((0..100).map(back));
+        let mut flight = flight(places.map(|place| still(place, DVec3::NEG_Z)).collect());
+        let found = find(&flight, HEIGHT);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0].frames, Frames::of([100]));
+        flight.is_closed = true;
+        let found = find(&flight, HEIGHT);
+        assert_eq!(found.len(), 2);
+        assert_eq!(found[1].frames, Frames::of([0]));
+        assert!(matches!(found[1].kind, Oddity::VelocityJumpAtSeam { .. }));
+        // A jump of the camera there is meant.
+        flight.cuts[199] = true;
+        assert_eq!(find(&flight, HEIGHT).len(), 1);
+    }
+
+    #[test]
+    fn cameras_that_stand_are_not_odd() {
+        for count in [1, 2, 3, 50] {
+            let cameras = vec![still(DVec3::splat(1e6), DVec3::X); count];
+            assert_eq!(find(&flight(cameras), HEIGHT), []);
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! Scenes and paths of the tests.
+
+use super::flight::Flight;
+use crate::camera::{Camera, CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
+use crate::geometry::Sphere;
+use crate::material::Material;
+use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
+use glam::{DVec3, Vec3};
+
+/// Frames per second of all paths.
+pub(super) const FPS: f64 = 24.0;
+
+/// A path through keys: their times, and where the camera is and looks at, 50 degrees high.
+pub(super) fn path(shape: Shape, keys: &[(f64, DVec3, DVec3)]) -> CameraPath {
+    let key = |&(time, position, target): &(f64, DVec3, DVec3)| Keyframe {
+        time,
+        position,
+        orientation: Orientation::LookAt { target, roll: 0.0 },
+        field_of_view: 50.0_f64.to_radians(),
+        segment: Segment::of(shape),
+    };
+    let keys: Vec<Keyframe> = keys.iter().map(key).collect();
+    CameraPath::new(FPS, &keys, &Pace::BY_KEYS).expect("a path")
+}
+
+/// A straight walk of one second that looks along -Z.
+pub(super) fn walk(from: DVec3, to: DVec3) -> CameraPath {
+    let ahead = DVec3::new(0.0, 0.0, -1e3);
+    path(
+        Shape::Linear,
+        &[(0.0, from, from + ahead), (1.0, to, to + ahead)],
+    )
+}
+
+/// A camera that looks along a direction.
+pub(super) fn still(position: DVec3, direction: DVec3) -> Camera {
+    Camera::look_at(position, position + direction, 50.0_f64.to_radians()).expect("not vertical")
+}
+
+/// Frames of an open path without jumps.
+pub(super) fn flight(cameras: Vec<Camera>) -> Flight {
+    Flight {
+        cuts: vec![false; cameras.len()],
+        cameras,
+        is_closed: false,
+        fps: FPS,
+    }
+}
+
+/// A closed box, seen from outside, with corners of its own.
+pub(super) fn cuboid(min: DVec3, max: DVec3) -> SourceMesh {
+    let corner = |i: usize| {
+        let pick = |axis: usize| {
+            if i >> axis & 1 == 0 {
+                min[axis]
+            } else {
+                max[axis]
+            }
+        };
+        DVec3::new(pick(0), pick(1), pick(2))
+    };
+    let sides = [
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+    ];
+    let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+    SourceMesh {
+        positions: (0..8).map(corner).collect(),
+        normals: Vec::new(),
+        uvs: Vec::new(),
+        triangles: sides.into_iter().flat_map(halves).collect(),
+        material: MeshMaterial::Uniform(0),
+    }
+}
+
+/// The same with all faces seen from behind.
+pub(super) fn inverted(mut mesh: SourceMesh) -> SourceMesh {
+    for corners in &mut mesh.triangles {
+        corners.swap(1, 2);
+    }
+    mesh
+}
+
+pub(super) fn scene(meshes: Vec<SourceMesh>, spheres: &[(DVec3, f64)]) -> Scene {
+    let spheres = spheres
+        .iter()
+        .map(|&(center, radius)| (Sphere::new(center, radius), 0));
+    let builder = SceneBuilder {
+        materials: vec![Material::lambert(Vec3::ONE)],
+        meshes,
+        spheres: spheres.collect(),
+        ..SceneBuilder::default()
+    };
+    builder.build().0
+}
+
+/// A room of 10 x 4 x 10 m about the middle of its floor, its walls seen from inside.
+pub(super) fn hall() -> SourceMesh {
+    inverted(cuboid(
+        DVec3::new(-5.0, 0.0, -5.0),
+        DVec3::new(5.0, 4.0, 5.0),
+    ))
+}

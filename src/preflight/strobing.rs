@@ -1,0 +1,159 @@
+//! How far what is seen moves in the picture from one frame to the next.
+
+use super::finding::Measured;
+use super::flight::Flight;
+use super::{Finding, Oddity};
+use crate::accel::Traversal;
+use crate::camera::Camera;
+use crate::math::Ray;
+use crate::scene::Scene;
+use glam::DVec2;
+
+/// So many points are followed in a row of the picture and in a column.
+const POINTS: [usize; 2] = [16, 9];
+
+/// Something should cross the picture in so many frames, or more: 3 s of 24 a second. The cinematographers' rule for
+/// pans is 7 s, with a shutter that is open for half of the time; rendered frames are not blurred at all, and in
+/// less than half of that they are seen one by one.
+const LEAST_FRAMES: f64 = 72.0;
+
+pub(super) fn find(scene: &Scene, flight: &Flight, size: DVec2) -> Vec<Finding> {
+    let limit = size.x / LEAST_FRAMES;
+    let moved = flight.steps(|from, to| movement(scene, from, to, size));
+    let found: Vec<Measured> = (moved.into_iter().enumerate())
+        .filter_map(|(frame, pixels)| Some((frame, pixels?)))
+        .filter(|(_, pixels)| *pixels > limit)
+        .collect();
+    let finding = Finding::of(&found, |frame, pixels| Oddity::Strobing {
+        frame,
+        pixels,
+        width: size.x,
+        seconds: size.x / (pixels * flight.fps),
+        least_seconds: LEAST_FRAMES / flight.fps,
+    });
+    finding.into_iter().collect()
+}
+
+/// The median of the pixels by which points of a frame move to the next, at most the width of the picture.
+fn movement(scene: &Scene, from: &Camera, to: &Camera, size: DVec2) -> f64 {
+    let rays = from.rays(size, scene.origin);
+    let [columns, rows] = POINTS;
+    let films: Vec<DVec2> = (0..columns * rows)
+        .map(|i| DVec2::new((i % columns) as f64 + 0.5, (i / columns) as f64 + 0.5))
+        .map(|point| point / DVec2::new(columns as f64, rows as f64) * size)
+        .collect();
+    let rays: Vec<Ray> = films.iter().map(|film| rays.through(*film)).collect();
+    let mut hits = vec![None; rays.len()];
+    scene.closest_of_wave(&rays, &mut hits, &mut Traversal::default());
+    let seen = films.iter().zip(&rays).zip(&hits);
+    let mut moved: Vec<f64> = seen
+        .map(|((film, ray), hit)| {
+            let point = match hit {
+                Some(hit) => scene.origin + ray.at(hit.t),
+                // The background is infinitely far away: it moves only as the camera turns.
+                None => to.position + ray.direction.as_dvec3(),
+            };
+            let place = to.project(size, point);
+            place.map_or(size.x, |place| place.distance(*film).min(size.x))
+        })
+        .collect();
+    moved.sort_unstable_by(f64::total_cmp);
+    moved[moved.len() / 2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stage::{FPS, flight, hall, path, scene, still, walk};
+    use super::*;
+    use crate::camera::Shape;
+    use glam::DVec3;
+
+    const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
+
+    #[test]
+    fn a_wall_moves_as_far_as_the_camera_goes_beside_it() {
+        // 5 m before the camera the picture is 8.29 m wide.
+        let wall = scene(vec![hall()], &[]);
+        let at = |x: f64| still(DVec3::new(x, 2.0, 0.0), DVec3::NEG_Z);
+        let pixel = 2.0 * at(0.0).half_height * 5.0 / SIZE.y;
+        // All that is seen is on that wall.
+        let narrow = |x: f64| Camera {
+            half_height: 0.2,
+            ..at(x)
+        };
+        let pixels = movement(&wall, &narrow(0.0), &narrow(0.03), SIZE);
+        let expected = 0.03 * SIZE.y / (2.0 * 0.2 * 5.0);
+        assert!((pixels - expected).abs() < 1e-3, "{pixels}");
+        // The background does not.
+        let nothing = scene(vec![], &[]);
+        let pixels = movement(&nothing, &at(0.0), &at(100.0 * pixel), SIZE);
+        assert!(pixels < 1e-2, "{pixels}");
+    }
+
+    #[test]
+    fn fast_pans_strobe_and_slow_ones_do_not() {
+        let pan = |degrees: f64| {
+            let camera = |i: u32| {
+                let (sin, cos) = (f64::from(i) * degrees.to_radians() / FPS).sin_cos();
+                still(DVec3::Y, DVec3::new(sin, 0.0, -cos))
+            };
+            find(
+                &scene(vec![hall()], &[]),
+                &flight((0..9).map(camera).collect()),
+                SIZE,
+            )
+        };
+        // The picture is 79.3 degrees wide.
+        assert_eq!(pan(15.0), []);
+        let found = pan(60.0);
+        assert_eq!(found[0].frames.runs(), [[0, 7]]);
+        let Oddity::Strobing {
+            pixels,
+            seconds,
+            least_seconds,
+            ..
+        } = found[0].kind
+        else {
+            panic!("{found:?}")
+        };
+        // In its middle as far as the angle is long there, and farther at its sides.
+        let focal = 0.5 * SIZE.y / 25.0_f64.to_radians().tan();
+        let middle = focal * 2.5_f64.to_radians();
+        let side = 1.0 + (0.5 * SIZE.x / focal).powi(2);
+        assert!(pixels > middle && pixels < side * middle, "{pixels}");
+        assert!((pixels * seconds * FPS - SIZE.x).abs() < 1e-6);
+        assert_eq!(least_seconds, 3.0);
+    }
+
+    #[test]
+    fn turning_away_is_a_whole_picture() {
+        let cameras = [DVec3::NEG_Z, DVec3::Z].map(|direction| still(DVec3::Y, direction));
+        let found = find(&scene(vec![hall()], &[]), &flight(cameras.to_vec()), SIZE);
+        let Oddity::Strobing {
+            frame: 0, pixels, ..
+        } = found[0].kind
+        else {
+            panic!("{found:?}")
+        };
+        assert_eq!(pixels, SIZE.x);
+    }
+
+    #[test]
+    fn walks_and_jumps_do_not_strobe() {
+        let scene = scene(vec![hall()], &[]);
+        let at = |z| DVec3::new(0.5, 1.7, z);
+        assert_eq!(
+            find(&scene, &Flight::new(&walk(at(3.0), at(1.6))), SIZE),
+            []
+        );
+        let around = |x: f64| DVec3::new(x, 1.7, 3.0);
+        let keys = [(0.0, around(-1.0), DVec3::Y), (2.0, around(1.0), DVec3::Y)];
+        let mut flight = Flight::new(&path(Shape::Linear, &keys));
+        assert_eq!(find(&scene, &flight, SIZE), []);
+        flight.cameras.push(still(at(0.0), DVec3::Z));
+        flight.cuts.push(false);
+        assert_eq!(find(&scene, &flight, SIZE).len(), 1);
+        flight.cuts[48] = true;
+        assert_eq!(find(&scene, &flight, SIZE), []);
+    }
+}

@@ -187,17 +187,31 @@ fn frames_know_their_cameras_alone() {
 }
 
 #[test]
-fn constant_speed_on_an_uneven_path() {
-    let keys = uneven();
-    let by_keys = CameraPath::new(24.0, &keys, &Pace::BY_KEYS).expect("keys");
-    assert_eq!(by_keys.timeline().frame_count(), 300);
-    assert!(ratio(&steps(&by_keys)) > 5.0);
-    let path = CameraPath::new(24.0, &keys, &CONSTANT).expect("keys");
-    assert!(ratio(&steps(&path)) < 1.01, "{}", ratio(&steps(&path)));
-    // Chords are shorter than the way along them: with steps so short that they hardly are, it is the same.
-    let path = CameraPath::new(2400.0, &keys, &CONSTANT).expect("keys");
-    let ratio = ratio(&steps(&path));
-    assert!(ratio < 1.0001, "{ratio}");
+fn constant_speed_on_uneven_paths() {
+    // Equal times, from 0.4 to 5 m apart.
+    let apart = [
+        (0.0, 1.0, 0.0),
+        (0.4, 1.0, 0.0),
+        (5.2, 1.2, 1.4),
+        (5.6, 1.3, 1.8),
+        (5.0, 1.6, 5.0),
+        (4.0, 1.6, 5.4),
+    ];
+    let apart = (0..).zip(apart).map(|(i, (x, y, z))| {
+        let time = 299.0 / 24.0 * f64::from(i) / 5.0;
+        key(time, DVec3::new(x, y, z), AHEAD)
+    });
+    for keys in [uneven(), apart.collect()] {
+        let by_keys = CameraPath::new(24.0, &keys, &Pace::BY_KEYS).expect("keys");
+        assert_eq!(by_keys.timeline().frame_count(), 300);
+        assert!(ratio(&steps(&by_keys)) > 5.0);
+        let path = CameraPath::new(24.0, &keys, &CONSTANT).expect("keys");
+        assert!(ratio(&steps(&path)) < 1.01, "{}", ratio(&steps(&path)));
+        // Chords are shorter than the way along them: of steps so short that they hardly are, it is the same.
+        let path = CameraPath::new(2400.0, &keys, &CONSTANT).expect("keys");
+        let ratio = ratio(&steps(&path));
+        assert!(ratio < 1.0001, "{ratio}");
+    }
 }
 
 /// The step of each frame along the line from key to key.

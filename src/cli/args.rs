@@ -1,4 +1,5 @@
 use super::frames::FrameRanges;
+use super::input_args::{InputArguments, ThreadsArgument};
 use super::path_args::PathArguments;
 use super::values::{
     AovArgument, FormatArgument, ListFormatArgument, OrderArgument, PrepareArgument,
@@ -6,7 +7,7 @@ use super::values::{
 };
 use crate::input::{GlobalIllumination, Mode, Settings};
 use clap::{Args, Parser, Subcommand};
-use std::num::{NonZeroU32, NonZeroUsize};
+use std::num::NonZeroU32;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -37,22 +38,6 @@ pub(super) enum Command {
     ///
     /// Exit status: 0 all values are within their limits, 1 some are not.
     Selftest,
-}
-
-/// What every command that loads something loads.
-#[derive(Debug, Args)]
-pub(super) struct InputArguments {
-    /// The scene file (RON)
-    pub(super) scene: PathBuf,
-    /// The camera path file (RON)
-    pub(super) path: PathBuf,
-}
-
-#[derive(Clone, Copy, Debug, Args)]
-pub(super) struct ThreadsArgument {
-    /// Threads to use [default: all cores that the process may use]
-    #[arg(short, long, value_name = "N", env = "SLURM_CPUS_PER_TASK")]
-    pub(super) threads: Option<NonZeroUsize>,
 }
 
 /// Render the frames of a camera path

@@ -1,4 +1,4 @@
-use super::args::{InputArguments, ThreadsArgument};
+use super::input_args::{InputArguments, ThreadsArgument};
 use super::{Failure, warn};
 use crate::input::{
     CameraPathInput, InputFiles, SceneInput, Settings, load_camera_path, load_scene,

@@ -6,6 +6,7 @@ mod audit;
 mod bake;
 mod check;
 mod frames;
+mod input_args;
 mod interrupt;
 mod job;
 mod light;

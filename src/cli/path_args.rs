@@ -1,4 +1,4 @@
-use super::args::{InputArguments, ThreadsArgument};
+use super::input_args::{InputArguments, ThreadsArgument};
 use super::values::parse_size;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;

@@ -1,7 +1,8 @@
 //! The command that a folder says its frames were rendered by, once more.
 
 use super::Failure;
-use super::args::{Arguments, Command, RenderArguments, ThreadsArgument};
+use super::args::{Arguments, Command, RenderArguments};
+use super::input_args::ThreadsArgument;
 use super::job::Job;
 use super::quote::choose_again;
 use crate::output::FrameFolder;

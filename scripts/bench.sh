@@ -29,6 +29,7 @@ echo "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -1), $(nproc) core
 cargo bench --quiet --bench frames
 cargo bench --quiet --bench features
 cargo bench --quiet --bench growth
+cargo bench --quiet --bench paths
 if [ -n "$rays" ]; then
     embree=$(mktemp)
     trap 'rm -f "$embree"' EXIT

@@ -62,6 +62,7 @@ sheet translate_rotate.png translate_rotate 240
 sheet zoom.png zoom 54
 still gallery gallery gallery --frames 66 --size 960x540
 filter gallery.png null "$work/gallery.png"
+target/release/flythrough path plot scenes/gallery.ron paths/gallery.ron --out "$pictures/path.svg"
 for name in test3 gallery; do
     target/release/flythrough report "scenes/$name.ron" "paths/$name.ron" --out "$work/$name" --quiet
     cp "$work/$name/curves.png" "$pictures/curves_$name.png"

@@ -1,4 +1,5 @@
 //! Camera paths of other programs: files that they have written, and what is written for them.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod support;
 
@@ -128,7 +129,7 @@ fn nerfstudios_frames_come_back() {
         ));
         assert!((path.fps - fps).abs() < 1e-12);
         let error = difference(&path.cameras, &expected);
-        assert!(error < 1e-5, "{name}: {error}");
+        assert!(error < 1e-12, "{name}: {error}");
         // Out again, and in.
         let keys = [(0.0, expected[0])];
         let text = nerfstudio_json(&path, &keys, false, size).unwrap();

@@ -24,7 +24,7 @@ pub struct CameraPath {
     log_half_heights: Track<f64>,
     /// When each key is passed.
     keys: Vec<f64>,
-    /// When the camera jumps.
+    /// When the camera jumps, before the ramp; rising.
     cuts: Vec<f64>,
 }
 
@@ -83,23 +83,21 @@ impl CameraPath {
             }
         };
         let ramp = Ramp::new(share(pace.ease_in), share(pace.ease_out));
-        let passed = |time: &f64| {
-            let way = share(time - timeline.start);
-            timeline.start + duration * ramp.time(way)
+        let passed = |&time: &f64| match ramp.is_flat() || time == timeline.end {
+            true => time,
+            false => timeline.start + duration * ramp.time(share(time - timeline.start)),
         };
-        let passed: Vec<f64> = match ramp.is_flat() {
-            true => walk.times().to_vec(),
-            false => walk.times().iter().map(passed).collect(),
-        };
-        let cuts = segments.iter().zip(&passed[1..]);
+        let passed = walk.times().iter().map(passed).collect();
+        let cuts = segments.iter().zip(&walk.times()[1..]);
         let cuts = cuts.filter(|(segment, _)| segment.shape == Shape::Hold);
+        let cuts = cuts.map(|(_, time)| *time).collect();
         let half_height = |key: &Keyframe| libm::log(libm::tan(0.5 * key.field_of_view));
         let path = CameraPath {
             timeline,
             ramp,
             aim: Aim::new(keys, &tracks, &timeline)?,
             log_half_heights: tracks.through(keys.iter().map(half_height)),
-            cuts: cuts.map(|(_, time)| *time).collect(),
+            cuts,
             keys: passed,
             walk,
         };
@@ -119,11 +117,9 @@ impl CameraPath {
 
     /// The cameras at the keys, each with the time at which it is passed.
     pub fn key_cameras(&self) -> Vec<(f64, Camera)> {
-        let frame = |time: f64| ((time - self.timeline.start) * self.timeline.fps).round() as u32;
-        let camera = |time: f64| self.camera_at(time, frame(time)).ok();
-        let keys = self.keys.iter();
-        keys.filter_map(|&time| Some((time, camera(time)?)))
-            .collect()
+        let keys = self.keys.iter().enumerate();
+        let camera = |key, time| Some((time, self.camera_of(Place::Key(key), 0, time).ok()?));
+        keys.filter_map(|(key, &time)| camera(key, time)).collect()
     }
 
     /// Whether the path goes on at its first frame after its last.
@@ -138,8 +134,10 @@ impl CameraPath {
         } else {
             self.timeline.end
         };
-        let here = self.timeline.time_of(frame);
-        self.cuts.iter().any(|&cut| here < cut && cut <= next)
+        let here = self.before_ramp(self.timeline.time_of(frame));
+        let after = self.cuts.partition_point(|&cut| cut <= here);
+        let cut = self.cuts.get(after);
+        cut.is_some_and(|&cut| cut <= self.before_ramp(next))
     }
 
     /// The camera of a frame, below the timeline's frame count.
@@ -151,6 +149,10 @@ impl CameraPath {
     /// The camera at a time between the first and the last key. An error is about a frame.
     pub(super) fn camera_at(&self, time: f64, frame: u32) -> Result<Camera, PathError> {
         let place = Place::of(self.walk.times(), self.before_ramp(time));
+        self.camera_of(place, frame, time)
+    }
+
+    fn camera_of(&self, place: Place, frame: u32, time: f64) -> Result<Camera, PathError> {
         let position = self.walk.position(place);
         let rotation = match &self.aim {
             Aim::Points { targets, rolls } => {

@@ -38,7 +38,7 @@ pub fn import_cameras(
         let (frames, size) = nerfstudio::parse(file, &bytes)?;
         return Ok(CameraImport { frames, size });
     }
-    if bytes.starts_with(b"glTF") || has("asset") {
+    if bytes.starts_with(gltf_file::MAGIC) || has("asset") {
         let fps = check.positive("--fps", fps.unwrap_or(FPS))?;
         let frames = gltf_file::parse(file, &bytes, fps, camera)?;
         return Ok(CameraImport { frames, size: None });

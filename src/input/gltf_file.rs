@@ -30,6 +30,9 @@ struct Pointed {
     camera: usize,
 }
 
+/// How binary files begin.
+pub(super) const MAGIC: &[u8] = b"glTF";
+
 /// The cameras of a file's bytes, so many in a second, from the first key of what moves the camera to the last. Of
 /// several cameras the one of that name, else the only one that is animated.
 pub(super) fn parse(
@@ -39,11 +42,14 @@ pub(super) fn parse(
     name: Option<&str>,
 ) -> Result<FrameCameras, InputError> {
     let check = Checker { file };
-    let (text, blob) = match gltf::binary::Glb::from_slice(bytes) {
-        Ok(glb) => (glb.json, glb.bin.map(|bin| bin.into_owned())),
-        Err(_) => (bytes.into(), None),
+    let (text, blob) = match bytes.starts_with(MAGIC) {
+        true => match chunks(bytes) {
+            Some((text, blob)) => (text, blob.map(<[u8]>::to_vec)),
+            None => return check.refuse("glTF", "is no binary glTF 2.0 file, or is cut short"),
+        },
+        false => (bytes, None),
     };
-    let (text, pointed) = essence(file, &text)?;
+    let (text, pointed) = essence(file, text)?;
     let document = match gltf::Gltf::from_slice(&text) {
         Ok(gltf) => gltf.document,
         Err(error) => return check.refuse("glTF", error.to_string()),
@@ -109,6 +115,25 @@ pub(super) fn parse(
             .map(frame)
             .collect::<Result<_, _>>()?,
     })
+}
+
+/// The JSON of a binary glTF file and, if there is one, its buffer (glTF 2.0 specification, section 4.4).
+fn chunks(bytes: &[u8]) -> Option<(&[u8], Option<&[u8]>)> {
+    const VERSION: [u8; 4] = 2_u32.to_le_bytes();
+    // The length that comes before is that of the file.
+    let (text, rest) = chunk(bytes.get(12..)?, b"JSON")?;
+    let blob = match rest {
+        [] => None,
+        rest => Some(chunk(rest, b"BIN\0")?.0),
+    };
+    (bytes[4..8] == VERSION).then_some((text, blob))
+}
+
+/// What is in a chunk of a kind, and what comes after it.
+fn chunk<'a>(bytes: &'a [u8], kind: &[u8; 4]) -> Option<(&'a [u8], &'a [u8])> {
+    let length = u32::from_le_bytes(*bytes.first_chunk()?);
+    let content = bytes.get(4..)?.strip_prefix(kind)?;
+    content.split_at_checked(length as usize)
 }
 
 /// What of a file is about nodes, cameras and their animations, in the core of glTF, and the fields of view that

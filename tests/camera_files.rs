@@ -184,6 +184,25 @@ fn what_is_written_is_read() {
     }
 }
 
+/// A key so late that its frames could not be counted.
+#[test]
+fn endless_animations_are_refused() {
+    let mut file = std::fs::read(reference("step.glb")).unwrap();
+    let last = file
+        .windows(4)
+        .rposition(|bytes| bytes == 1.0416666_f32.to_le_bytes());
+    let last = last.unwrap();
+    file[last..last + 4].copy_from_slice(&1e14_f32.to_le_bytes());
+    let folder = tempfile::tempdir().unwrap();
+    let late = folder.path().join("late.glb");
+    std::fs::write(&late, file).unwrap();
+    let error = import_cameras(&late, None, None).unwrap_err().to_string();
+    assert!(
+        error.ends_with("animations: give more than 10000000 frames"),
+        "{error}"
+    );
+}
+
 /// Of every file, cut anywhere and with any byte changed: refused or read, never a panic.
 #[test]
 fn no_damage_panics() {

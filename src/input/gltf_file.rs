@@ -90,13 +90,12 @@ pub(super) fn parse(
     let moving = links.iter().flat_map(|link| &link.parts);
     let moving = moving.filter_map(|(_, sampler)| sampler.as_ref());
     let spans = moving.chain(&zoom).map(GltfSampler::span);
-    let timeline = match spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]) {
-        Some([start, end]) => Timeline::of_whole_frames(fps, start, end),
-        None => Timeline::of_whole_frames(fps, 0.0, 0.0),
-    };
-    if timeline.frame_count() > MOST_FRAMES {
+    let span = spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    let [start, end] = span.unwrap_or([0.0, 0.0]);
+    if (end - start) * fps > f64::from(MOST_FRAMES) {
         return check.refuse("animations", format!("give more than {MOST_FRAMES} frames"));
     }
+    let timeline = Timeline::of_whole_frames(fps, start, end);
     let frame = |frame: u32| {
         let time = timeline.time_of(frame);
         let fov = match &zoom {

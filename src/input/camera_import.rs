@@ -1,6 +1,7 @@
 use super::check::Checker;
 use super::error::InputError;
 use super::files::InputFiles;
+use super::gltf_essence::MAGIC;
 use super::{gltf_file, nerfstudio};
 use crate::camera::FrameCameras;
 use serde_json::Value;
@@ -38,7 +39,7 @@ pub fn import_cameras(
         let (frames, size) = nerfstudio::parse(file, &bytes)?;
         return Ok(CameraImport { frames, size });
     }
-    if bytes.starts_with(gltf_file::MAGIC) || has("asset") {
+    if bytes.starts_with(MAGIC) || has("asset") {
         let fps = check.positive("--fps", fps.unwrap_or(FPS))?;
         let frames = gltf_file::parse(file, &bytes, fps, camera)?;
         return Ok(CameraImport { frames, size: None });

@@ -11,6 +11,7 @@ mod check;
 mod error;
 mod files;
 mod gltf_buffers;
+mod gltf_essence;
 mod gltf_file;
 mod gltf_sampler;
 mod mtl;

@@ -286,7 +286,8 @@ fn check(keys: &[Keyframe], pace: &Pace) -> Result<(), PathError> {
         });
     }
     let (seconds, duration) = (pace.ease_in + pace.ease_out, last.time - first.time);
-    if seconds > duration {
+    // Sums of decimals are rounded.
+    if seconds > duration * (1.0 + 1e-12) {
         return Err(PathError::EaseTooLong { seconds, duration });
     }
     let eases = |key: &Keyframe| key.segment.ease_in || key.segment.ease_out;

@@ -9,7 +9,9 @@ pub(super) struct Ramp {
 }
 
 impl Ramp {
+    /// `rise` and `fall` are together at most 1, but for rounding.
     pub(super) fn new(rise: f64, fall: f64) -> Ramp {
+        let fall = fall.min(1.0 - rise).max(0.0);
         Ramp { rise, fall }
     }
 
@@ -63,6 +65,7 @@ mod tests {
             (0.2, 0.3),
             (0.5, 0.5),
             (1.0, 0.0),
+            (1.0 / 3.0, 0.2 / 0.3),
         ] {
             let ramp = Ramp::new(rise, fall);
             assert_eq!((ramp.way(0.0), ramp.way(1.0)), (0.0, 1.0));

@@ -3,7 +3,7 @@ use super::input_args::{InputArguments, ThreadsArgument};
 use super::path_args::PathArguments;
 use super::values::{
     AovArgument, FormatArgument, ListFormatArgument, OrderArgument, PrepareArgument,
-    ProgressArgument, SampleSize, parse_size, parse_time,
+    ProgressArgument, SampleSize, parse_distance, parse_size, parse_time,
 };
 use crate::input::{GlobalIllumination, Mode, Settings};
 use clap::{Args, Parser, Subcommand};
@@ -272,7 +272,7 @@ pub(super) struct CheckArguments {
     #[command(flatten)]
     pub(super) input: InputArguments,
     /// How many metres the camera should stay away from surfaces
-    #[arg(long, value_name = "METRES", default_value = "0.1")]
+    #[arg(long, value_name = "METRES", default_value = "0.1", value_parser = parse_distance)]
     pub(super) near: f64,
     #[command(flatten)]
     pub(super) threads: ThreadsArgument,

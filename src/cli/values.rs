@@ -112,6 +112,13 @@ impl SampleSize {
     }
 }
 
+/// A distance in metres.
+pub(super) fn parse_distance(text: &str) -> Result<f64, String> {
+    let metres = text.parse().ok();
+    let metres = metres.filter(|metres: &f64| metres.is_finite() && *metres >= 0.0);
+    metres.ok_or_else(|| "write a number of metres, as in 0.1".to_owned())
+}
+
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let parts = text.split_once(['x', 'X']);
     let numbers = parts.and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
@@ -136,6 +143,15 @@ mod tests {
         assert_eq!(of("0", 3), Ok(1));
         for wrong in ["0%", "101%", "NaN%", "-1", "1.5", "%"] {
             assert!(of(wrong, 9).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn distances() {
+        assert_eq!(parse_distance("0.25"), Ok(0.25));
+        assert_eq!(parse_distance("0"), Ok(0.0));
+        for wrong in ["-1", "NaN", "inf", "1m", ""] {
+            assert!(parse_distance(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -182,7 +182,12 @@ impl<T: Value> Span<T> {
     }
 
     fn is_still(&self) -> bool {
-        self.knot == 0.0 || matches!(self.course.form, Form::Held)
+        match self.course.form {
+            Form::Held => true,
+            // It may lead back to where it starts.
+            Form::Given(_) => false,
+            Form::Straight | Form::Smooth => self.knot == 0.0,
+        }
     }
 }
 

@@ -173,14 +173,20 @@ fn smooth_segments_join_given_ones() {
     let mut keys = uneven();
     keys[1].segment.shape = Shape::Linear;
     keys[3].segment.shape = Shape::Cubic(DVec3::new(-1.0, 0.2, 3.0), DVec3::new(-4.0, 1.0, 0.5));
-    let path = CameraPath::new(24.0, &keys, &Pace::BY_KEYS).expect("keys");
-    let camera = |time: f64| path.camera_at(time, 0).expect("a camera").position;
-    let h = 1e-6;
-    for key in [1, 2, 3, 4] {
-        let time = keys[key].time;
-        let before = (camera(time) - camera(time - h)) / h;
-        let after = (camera(time + h) - camera(time)) / h;
-        let cosine = before.normalize().dot(after.normalize());
-        assert!(cosine > 1.0 - 1e-9, "{key}: {before} {after}");
+    // A loop that comes back to where it starts.
+    let mut looping = uneven();
+    looping[3].position = looping[2].position;
+    looping[2].segment.shape = Shape::Cubic(DVec3::new(2.0, 0.0, 4.0), DVec3::new(-4.0, 1.0, 5.0));
+    for (keys, joints) in [(keys, &[1, 2, 3, 4][..]), (looping, &[2, 3])] {
+        let path = CameraPath::new(24.0, &keys, &Pace::BY_KEYS).expect("keys");
+        let camera = |time: f64| path.camera_at(time, 0).expect("a camera").position;
+        let h = 1e-6;
+        for &key in joints {
+            let time = keys[key].time;
+            let before = (camera(time) - camera(time - h)) / h;
+            let after = (camera(time + h) - camera(time)) / h;
+            let cosine = before.normalize().dot(after.normalize());
+            assert!(cosine > 1.0 - 1e-9, "{key}: {before} {after}");
+        }
     }
 }

@@ -50,6 +50,7 @@ fn difference(a: &[Camera], b: &[Camera]) -> f64 {
         let turned = turned.into_iter().fold(0.0, f64::max);
         let moved = (a.position - b.position).abs().max_element();
         let zoomed = (a.half_height - b.half_height).abs();
+        assert!(a.rotation.is_finite() && a.position.is_finite() && zoomed.is_finite());
         turned.max(moved).max(zoomed)
     });
     differences.fold(0.0, f64::max)

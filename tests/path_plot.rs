@@ -40,7 +40,10 @@ fn drawn(scene: &Scene, path: &CameraPath) -> String {
         (tree.size().width(), tree.size().height()),
         (1200.0, 1000.0)
     );
-    assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    // Pictures are letters in any order.
+    let is_drawn = |line: &&str| !line.starts_with("<image");
+    let drawn: String = svg.lines().filter(is_drawn).collect();
+    assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
     svg
 }
 
@@ -215,7 +218,8 @@ fn all_paths_can_be_drawn() {
     for (name, path) in &paths {
         for scene in [&room, &empty()] {
             let svg = drawn(scene, path);
-            assert!(svg.contains("start") && svg.contains("end"), "{name}");
+            let says = |what: &str| svg.lines().any(|line| line.trim() == what);
+            assert!(says("start") && says("end") || says("start, end"), "{name}");
         }
     }
 }

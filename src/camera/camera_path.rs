@@ -1,6 +1,6 @@
 use super::error::PathError;
 use super::keyframe::{Keyframe, Orientation, Pace, Segment, Shape, Speed};
-use super::look_at::{is_flipped, look_at};
+use super::look_at::{Look, look_at};
 use super::ramp::Ramp;
 use super::rotation::{roll, yaw_pitch_roll};
 use super::track::{Course, Form, Place, Track};
@@ -115,6 +115,13 @@ impl CameraPath {
         &self.keys
     }
 
+    /// Where the camera is at each key, in world coordinates.
+    pub fn key_positions(&self) -> Vec<DVec3> {
+        let keys = 0..self.keys.len();
+        keys.map(|key| self.walk.position(Place::Key(key)))
+            .collect()
+    }
+
     /// The cameras at the keys, each with the time at which it is passed.
     pub fn key_cameras(&self) -> Vec<(f64, Camera)> {
         let keys = self.keys.iter().enumerate();
@@ -134,10 +141,10 @@ impl CameraPath {
         } else {
             self.timeline.end
         };
-        let here = self.before_ramp(self.timeline.time_of(frame));
+        let here = self.on_walk(self.timeline.time_of(frame));
         let after = self.cuts.partition_point(|&cut| cut <= here);
         let cut = self.cuts.get(after);
-        cut.is_some_and(|&cut| cut <= self.before_ramp(next))
+        cut.is_some_and(|&cut| cut <= self.on_walk(next))
     }
 
     /// The camera of a frame, below the timeline's frame count.
@@ -148,7 +155,7 @@ impl CameraPath {
 
     /// The camera at a time between the first and the last key. An error is about a frame.
     pub(super) fn camera_at(&self, time: f64, frame: u32) -> Result<Camera, PathError> {
-        let place = Place::of(self.walk.times(), self.before_ramp(time));
+        let place = Place::of(self.walk.times(), self.on_walk(time));
         self.camera_of(place, frame, time)
     }
 
@@ -168,29 +175,62 @@ impl CameraPath {
         })
     }
 
-    /// The time at which a path without a ramp is as far.
-    fn before_ramp(&self, time: f64) -> f64 {
-        let Timeline { start, end, .. } = self.timeline;
-        if self.ramp.is_flat() || time == end {
-            return time;
-        }
-        start + (end - start) * self.ramp.way((time - start) / (end - start))
+    /// The time at which a path without a ramp is as far. So near to a key that only rounding is between, the key's.
+    fn on_walk(&self, time: f64) -> f64 {
+        let Timeline {
+            start, end, fps, ..
+        } = self.timeline;
+        let way = match self.ramp.is_flat() || time == end {
+            true => time,
+            false => start + (end - start) * self.ramp.way((time - start) / (end - start)),
+        };
+        // As shares of a frame and of the number.
+        const OF_FRAME: f64 = 1e-9;
+        let rounding = OF_FRAME / fps + 4.0 * f64::EPSILON * way.abs();
+        let times = self.walk.times();
+        let distance = |key: &f64| (key - way).abs();
+        let near = times.partition_point(|&key| key < way - rounding);
+        let near = times[near..]
+            .iter()
+            .take_while(|key| distance(key) <= rounding);
+        let nearest = near.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.copied().unwrap_or(way)
     }
 
+    /// That every frame has a camera, and that no look_at point is passed between two, after the last of a closed path
+    /// neither.
     fn check_frames(&self) -> Result<(), PathError> {
-        let mut before: Option<DMat3> = None;
-        for frame in 0..self.timeline.frame_count() {
-            let time = self.timeline.time_of(frame);
-            let rotation = self.camera_at(time, frame)?.rotation;
-            if let (Aim::Points { .. }, Some(before)) = (&self.aim, before)
-                && is_flipped(&before, &rotation)
+        let count = self.timeline.frame_count();
+        let mut before: Option<Look> = None;
+        for frame in 0..count + u32::from(self.is_closed()) {
+            let time = self.timeline.time_of(frame % count);
+            let camera = self.camera_at(time, frame % count)?;
+            let size = camera.half_height;
+            let is_finite = camera.position.is_finite() && camera.rotation.is_finite();
+            if !(is_finite && size > 0.0 && size.is_finite()) {
+                return Err(PathError::NoCamera { frame, time });
+            }
+            let look = self.look(time, frame % count)?;
+            if let (Some(before), Some(look)) = (&before, &look)
                 && !self.is_cut(frame - 1)
             {
-                return Err(PathError::Flips { frame, time });
+                look.check_from(before, frame % count, time)?;
             }
-            before = Some(rotation);
+            before = look;
         }
         Ok(())
+    }
+
+    /// How the camera looks at its point at a time, if it does.
+    fn look(&self, time: f64, frame: u32) -> Result<Option<Look>, PathError> {
+        let place = Place::of(self.walk.times(), self.on_walk(time));
+        match &self.aim {
+            Aim::Points { targets, .. } => {
+                let (eye, target) = (self.walk.position(place), targets.at(place));
+                Look::new(eye, target, frame, time).map(Some)
+            }
+            _ => Ok(None),
+        }
     }
 }
 

@@ -33,6 +33,11 @@ pub enum PathError {
     )]
     LooksVertically { frame: u32, time: f64 },
     #[error(
+        "at {time} s (frame {frame}) there is no camera that numbers can tell; give a larger fov, or \
+         times and positions nearer to each other"
+    )]
+    NoCamera { frame: u32, time: f64 },
+    #[error(
         "at {time} s (frame {frame}) the camera has passed straight over or under its look_at \
          point, and its picture flips; lead one of them past the other, or give yaw_pitch_roll in \
          all keys instead"

@@ -23,10 +23,37 @@ pub(super) fn look_at(
     Ok(DMat3::from_cols(right, backward.cross(right), backward))
 }
 
-/// Whether a camera that was to keep +Y up has turned its picture upside down while it hardly looks elsewhere.
-pub(super) fn is_flipped(before: &DMat3, after: &DMat3) -> bool {
-    const HARDLY: f64 = 0.5;
-    before.x_axis.dot(after.x_axis) < 0.0 && before.z_axis.dot(after.z_axis) > HARDLY
+/// How a camera looks at a point, before it is rolled.
+pub(super) struct Look {
+    /// From the point to the eye.
+    offset: DVec3,
+    rotation: DMat3,
+}
+
+impl Look {
+    pub(super) fn new(eye: DVec3, target: DVec3, frame: u32, time: f64) -> Result<Look, PathError> {
+        let rotation = look_at(eye, target, frame, time)?;
+        let offset = eye - target;
+        Ok(Look { offset, rotation })
+    }
+
+    /// Refuses a camera that since the frame before has passed through its point, or so straight over it that its picture
+    /// is turned upside down while it hardly looks elsewhere.
+    pub(super) fn check_from(&self, before: &Look, frame: u32, time: f64) -> Result<(), PathError> {
+        const HARDLY: f64 = 0.5;
+        let turned = before.rotation.z_axis.dot(self.rotation.z_axis);
+        if before.rotation.x_axis.dot(self.rotation.x_axis) < 0.0 && turned > HARDLY {
+            return Err(PathError::Flips { frame, time });
+        }
+        // Nearer than this share of the way between two frames is through.
+        const THROUGH: f64 = 1e-3;
+        let way = self.offset - before.offset;
+        let nearest = self.offset.cross(before.offset).length() / way.length();
+        match turned < 0.0 && nearest < THROUGH * way.length() {
+            true => Err(PathError::LooksAtItself { frame, time }),
+            false => Ok(()),
+        }
+    }
 }
 
 impl Camera {

@@ -58,7 +58,9 @@ impl Timeline {
             return if frame == 0 { self.start } else { self.end };
         }
         let duration = self.end - self.start;
-        if duration * self.fps == f64::from(steps) {
+        // Decimals of keys are rounded.
+        const NEARLY: f64 = 1e-9;
+        if (duration * self.fps - f64::from(steps)).abs() <= NEARLY * f64::from(steps) {
             // Nothing is stretched: to the last bit the same whatever is added at the end.
             return self.start + f64::from(frame) / self.fps;
         }

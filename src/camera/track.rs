@@ -159,7 +159,8 @@ impl<T: Value> Span<T> {
         match beside.derivative(1 - end) {
             None => {
                 let other = beside.knot / beside.seconds;
-                if own == 0.0 || other == 0.0 {
+                // Of a segment without length or time there may be none.
+                if !(own > 0.0 && other > 0.0) {
                     return 0.0;
                 }
                 // The harmonic mean, weighted so that the longer of both segments counts less.

@@ -1,6 +1,6 @@
 use super::path_args::ImportArguments;
 use super::{Failure, Status};
-use crate::input::{InputFiles, import_cameras, load_camera_path};
+use crate::input::{import_cameras, parse_camera_path};
 use crate::output::{camera_path_file, write_whole};
 use std::io::Write;
 
@@ -17,9 +17,9 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Status, Failure> {
         name.to_string_lossy().escape_debug()
     );
     let text = camera_path_file(&import.frames, import.size, &from);
+    let path = parse_camera_path(&arguments.file, text.as_bytes())?.path;
     write_whole(out, text.as_bytes())
         .map_err(|error| format!("{}: cannot be written: {error}", out.display()))?;
-    let path = load_camera_path(out, &mut InputFiles::default())?.path;
     let timeline = path.timeline();
     writeln!(
         std::io::stdout(),

@@ -6,6 +6,15 @@ use crate::output::write_whole;
 use crate::plot::plot;
 
 pub(super) fn run(arguments: &PlotArguments) -> Result<Status, Failure> {
+    // A name that is given by mistake may be that of an input.
+    if arguments
+        .out
+        .extension()
+        .is_none_or(|extension| extension != "svg")
+    {
+        let out = arguments.out.display();
+        return Err(format!("{out}: the picture is an SVG file: name it .svg").into());
+    }
     let flags = Settings {
         size: arguments.size,
         ..Settings::default()

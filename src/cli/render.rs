@@ -69,7 +69,8 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     let elapsed = start.elapsed();
 
     let cameras = FrameCameras::of(&job.loaded.path.path);
-    let is_listed = list(&folder, &cameras, !missing.is_empty());
+    let is_anothers = folder.has_another_plan();
+    let is_listed = is_anothers || list(&folder, &cameras, !missing.is_empty());
     if !arguments.quiet {
         let there = frames.len() - missing.len();
         summarise(&outcome, elapsed, there as u32, &folder);
@@ -87,7 +88,6 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         false => true,
     };
     warn(&shortcomings(&outcome, job.settings.target_error));
-    let is_anothers = folder.has_another_plan();
     if is_anothers {
         warn(&[format!(
             "{}: somebody else has begun to render another sequence here; use two folders",

@@ -16,6 +16,11 @@ pub(super) fn run(arguments: &SheetArguments) -> Result<Status, Failure> {
         let file = file.display();
         return Err(format!("--out: {file} is a name of the frames' own; use another").into());
     }
+    // A name that is given by mistake may be that of an input.
+    if file.extension().is_none_or(|extension| extension != "png") {
+        let file = file.display();
+        return Err(format!("--out: {file}: the sheet is a PNG file: name it .png").into());
+    }
     draw(&folder, &frames, &file)?;
     if !arguments.quiet {
         writeln!(std::io::stdout(), "{}", file.display())?;

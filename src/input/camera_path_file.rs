@@ -96,7 +96,12 @@ pub fn load_camera_path(
     file: &Path,
     files: &mut InputFiles,
 ) -> Result<CameraPathInput, InputError> {
-    let parsed: CameraPathFile = ron_file::parse(file, &files.read(file)?)?;
+    parse_camera_path(file, &files.read(file)?)
+}
+
+/// As [`load_camera_path`], of the bytes of a file, which need not be there.
+pub fn parse_camera_path(file: &Path, bytes: &[u8]) -> Result<CameraPathInput, InputError> {
+    let parsed: CameraPathFile = ron_file::parse(file, bytes)?;
     let check = Checker { file };
     let fps = check.positive("fps", parsed.fps)?;
     if let Err(error) = parsed.settings.check() {

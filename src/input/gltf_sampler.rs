@@ -15,8 +15,10 @@ pub(super) struct GltfSampler {
     is_rotation: bool,
 }
 
-/// Times are in single precision: so near to a key is on it.
-const ON_KEY: f64 = 1e-6;
+/// So near to a key in seconds is on it: times are in single precision.
+fn rounding(time: f64) -> f64 {
+    1e-6 + f64::from(f32::EPSILON) * time.abs()
+}
 
 impl GltfSampler {
     /// Reads a sampler of values with so many components.
@@ -60,11 +62,11 @@ impl GltfSampler {
 
     /// The value at a time in seconds; before the first key and after the last, theirs.
     pub(super) fn at(&self, time: f64) -> DVec4 {
-        let after = self.times.partition_point(|&t| t <= time + ON_KEY);
+        let after = self.times.partition_point(|&t| t <= time + rounding(time));
         let Some(key) = after.checked_sub(1) else {
             return self.value(0);
         };
-        let is_on_key = (time - self.times[key]).abs() <= ON_KEY;
+        let is_on_key = (time - self.times[key]).abs() <= rounding(time);
         if is_on_key || after == self.times.len() || self.interpolation == Interpolation::Step {
             return self.value(key);
         }

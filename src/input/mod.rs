@@ -27,7 +27,7 @@ mod texture_file;
 mod unused;
 
 pub use camera_import::{CameraImport, import_cameras};
-pub use camera_path_file::{CameraPathInput, load_camera_path};
+pub use camera_path_file::{CameraPathInput, load_camera_path, parse_camera_path};
 pub use error::InputError;
 pub use files::InputFiles;
 pub use scene_loader::{SceneInput, load_scene};

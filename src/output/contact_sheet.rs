@@ -94,7 +94,7 @@ impl ContactSheet<'_> {
             <text x="{MARGIN}" y="50" fill="#999999">{} frames, {} fps, {}x{}, {}</text>"##,
             escaped(&title(self.folder)),
             plan.frames,
-            plan.fps,
+            (plan.fps * 1e3).round() / 1e3,
             plan.width,
             plan.height,
             seconds(plan.frames.saturating_sub(1))

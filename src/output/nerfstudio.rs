@@ -24,7 +24,7 @@ struct KeyframeJson {
     fov: f64,
     aspect: f64,
     override_transition_enabled: bool,
-    /// How long after the key before it; of the first none.
+    /// How long after the key before it; of the first key of a loop after its last, otherwise none.
     override_transition_sec: Option<f64>,
 }
 
@@ -46,13 +46,21 @@ pub fn nerfstudio_json(
 ) -> serde_json::Result<String> {
     let aspect = f64::from(width) / f64::from(height);
     let fov = |camera: &Camera| camera.field_of_view().to_degrees();
+    // A loop's editor goes on from its last key to its first by itself.
+    let (keys, closing) = match keys {
+        [.., last, again] if is_cycle => (&keys[..keys.len() - 1], Some(again.0 - last.0)),
+        keys => (keys, None),
+    };
     let mut before = None;
     let keyframes = keys.iter().map(|(time, camera)| KeyframeJson {
         matrix: matrix(camera),
         fov: fov(camera),
         aspect,
-        override_transition_enabled: before.is_some(),
-        override_transition_sec: before.replace(*time).map(|before: f64| time - before),
+        override_transition_enabled: before.is_some() || closing.is_some(),
+        override_transition_sec: match before.replace(*time) {
+            Some(before) => Some(time - before),
+            None => closing,
+        },
     });
     let frames = cameras.cameras.iter().map(|camera| FrameJson {
         camera_to_world: matrix(camera),

@@ -98,8 +98,8 @@ fn draw_keys(motion: &Motion, keys: &[(usize, u32)], place: &Cell, sheet: &Area)
     let (times, last) = (times(motion), motion.keys.len() - 1);
     let width = f64::from(px(place.width - LEFT - RIGHT));
     let mut free = 0;
-    for &(key, frame) in keys {
-        let share = (motion.timeline.time_of(frame) - times.start) / (times.end - times.start);
+    for &(key, _) in keys {
+        let share = (motion.keys[key] - times.start) / (times.end - times.start);
         let x = px(place.x + LEFT) as i32 + (share * width) as i32;
         if x >= free {
             draw_key((x, px(place.y + KEYS / 2) as i32), &[key], last, sheet)?;
@@ -167,8 +167,8 @@ impl TimeChart {
             .y_label_formatter(&|value| label(*value, span))
             .draw()?;
 
-        for &(_, frame) in keys {
-            let time = timeline.time_of(frame);
+        for &(key, _) in keys {
+            let time = motion.keys[key];
             let ends = [(time, self.values.start), (time, top)];
             let style = BLACK.mix(0.35).stroke_width(px(1));
             chart.draw_series(DashedLineSeries::new(ends, px(4), px(3), style))?;

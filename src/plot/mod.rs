@@ -48,9 +48,11 @@ pub fn plot(
     aspect: f64,
     title: &str,
 ) -> Result<String, PlotError> {
+    // No SVG file can have them.
+    let title = title.replace(char::is_control, " ");
     let motion = Motion::of(path, aspect);
     let region = Region::of(scene, &motion);
-    let sheet = Sheet::new(&motion, &region, title);
+    let sheet = Sheet::new(&motion, &region, &title);
     sheet
         .to_svg(scene)
         .map_err(|error| PlotError(error.to_string().into()))

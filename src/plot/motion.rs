@@ -1,11 +1,12 @@
 use crate::camera::{Camera, CameraPath, Timeline};
-use glam::DQuat;
+use glam::{DQuat, DVec3};
 use std::ops::Range;
 
 /// What a camera does along its path, frame by frame.
 #[derive(Debug)]
 pub(super) struct Motion {
-    /// The camera of each frame, at least one.
+    /// The camera of each frame, at least one; after the last of a closed path the first once more, as it goes on
+    /// there.
     pub(super) cameras: Vec<Camera>,
     /// Frames and their times.
     pub(super) timeline: Timeline,
@@ -13,13 +14,17 @@ pub(super) struct Motion {
     pub(super) aspect: f64,
     /// The times of the keys, in seconds.
     pub(super) keys: Vec<f64>,
+    /// Where the camera is at each.
+    pub(super) key_positions: Vec<DVec3>,
     /// The frames between cuts, in their order.
     pub(super) shots: Vec<Range<u32>>,
 }
 
 impl Motion {
     pub(super) fn of(path: &CameraPath, aspect: f64) -> Motion {
-        let count = path.timeline().frame_count();
+        let frames = path.timeline().frame_count();
+        let goes_on = path.is_closed() && frames > 1 && !path.is_cut(frames - 1);
+        let count = frames + u32::from(goes_on);
         let mut shots = Vec::new();
         let mut start = 0;
         for end in 1..=count {
@@ -29,10 +34,13 @@ impl Motion {
             }
         }
         Motion {
-            cameras: (0..count).map(|frame| path.camera(frame)).collect(),
+            cameras: (0..count)
+                .map(|frame| path.camera(frame % frames))
+                .collect(),
             timeline: *path.timeline(),
             aspect,
             keys: path.keys().to_vec(),
+            key_positions: path.key_positions(),
             shots,
         }
     }
@@ -41,8 +49,9 @@ impl Motion {
         &self.cameras[frame as usize]
     }
 
+    /// How many cameras there are.
     pub(super) fn frame_count(&self) -> u32 {
-        self.timeline.frame_count()
+        self.cameras.len() as u32
     }
 
     /// The frame that is nearest to a time.
@@ -109,7 +118,6 @@ impl Motion {
 mod tests {
     use super::*;
     use crate::camera::{Keyframe, Orientation, Pace, Segment, Shape};
-    use glam::DVec3;
 
     fn path(seconds: f64, turn: f64) -> CameraPath {
         let key = |time: f64, x: f64, degrees: f64| Keyframe {
@@ -160,6 +168,30 @@ mod tests {
         let motion = Motion::of(&path, 1.5);
         assert_eq!(motion.shots, [0..20, 20..31]);
         assert!((motion.length() - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn closed_paths_are_closed() {
+        let key = |time: f64, x: f64| Keyframe {
+            time,
+            position: DVec3::new(x, 0.0, 0.0),
+            orientation: Orientation::Rotation(DQuat::IDENTITY),
+            field_of_view: 1.0,
+            segment: Segment::of(Shape::Linear),
+        };
+        let keys = [key(0.0, 0.0), key(0.97, 1.0), key(2.0, 0.0)];
+        let pace = Pace {
+            closed: true,
+            ..Pace::BY_KEYS
+        };
+        let path = CameraPath::new(10.0, &keys, &pace).expect("a closed path");
+        let motion = Motion::of(&path, 1.5);
+        assert_eq!((motion.shots.len(), motion.shots[0].clone()), (1, 0..21));
+        assert_eq!(motion.cameras[20], motion.cameras[0]);
+        assert_eq!(motion.frame_at(motion.keys[2]), 20);
+        // Keys are where they are, not where the next frame is.
+        assert_eq!(motion.key_positions[1], DVec3::X);
+        assert_eq!(motion.speeds(&(0..21)).len(), 20);
     }
 
     #[test]

@@ -133,8 +133,8 @@ impl Marks {
         sheet: &Area,
     ) -> Drawn {
         let mut groups: Vec<(Place, Vec<usize>)> = Vec::new();
-        for &(key, frame) in &self.keys {
-            let at = place(motion, frame, panel);
+        for &(key, _) in &self.keys {
+            let at = panel.place(motion.key_positions[key]);
             let is_same =
                 |other: Place| (other.0 - at.0).abs().max((other.1 - at.1).abs()) < px(SAME) as i32;
             match groups.iter_mut().find(|group| is_same(group.0)) {

@@ -123,13 +123,13 @@ impl<'a> Sheet<'a> {
     /// What it is, and what its marks mean.
     fn draw_head(&self, sheet: &Area) -> Drawn {
         let timeline = &self.motion.timeline;
-        let frames = self.motion.frame_count();
+        let frames = timeline.frame_count();
         let (seconds, metres) = (timeline.end - timeline.start, self.motion.length());
         let summary = format!(
             "{}: {frames} {} at {} per second, {} s, {} m",
             self.title,
             if frames == 1 { "frame" } else { "frames" },
-            timeline.fps,
+            label(timeline.fps, 0.01),
             label(seconds, 0.1),
             label(metres, 0.1),
         );

@@ -178,6 +178,14 @@ fn paths() {
             "ease_in: -1 is not between 0",
         ),
         (
+            two("interpolation: hold, ease: in", ""),
+            "keyframes[0].ease: is of no use",
+        ),
+        (
+            two("", "").replace("fps: 24", "fps: 24, closed: true, ease_in: 0.5"),
+            "keyframes: a closed path goes on at its end as at its start",
+        ),
+        (
             two("ease: in_out", "").replace("fps: 24", "fps: 24, speed: constant"),
             "keyframes: key 0 eases, and the whole path is to be at one speed",
         ),

@@ -274,6 +274,10 @@ fn refusals_say_what_is_wrong() {
             "camera_type: \"fisheye\"",
         ),
         (
+            "\u{feff}{\"camera_path\": [".to_owned(),
+            ":1:17: EOF while parsing a list",
+        ),
+        (
             "glTF\u{2}\0\0\0\0\0\0\0".to_owned(),
             "glTF: is no binary glTF 2.0 file, or is cut short",
         ),

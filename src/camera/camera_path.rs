@@ -330,6 +330,9 @@ fn check(keys: &[Keyframe], pace: &Pace) -> Result<(), PathError> {
     if seconds > duration * (1.0 + 1e-12) {
         return Err(PathError::EaseTooLong { seconds, duration });
     }
+    if pace.closed && (pace.ease_in > 0.0) != (pace.ease_out > 0.0) {
+        return Err(PathError::EasesOneSide);
+    }
     let eases = |key: &Keyframe| key.segment.ease_in || key.segment.ease_out;
     if let (Speed::Constant, Some(key)) = (pace.speed, keys.iter().position(eases)) {
         return Err(PathError::EaseAtConstantSpeed { key });

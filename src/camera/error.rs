@@ -15,6 +15,11 @@ pub enum PathError {
     HalfTurn { key: usize },
     #[error("a closed path's last key repeats its first, to say when; they differ in {what}")]
     NotClosed { what: &'static str },
+    #[error(
+        "a closed path goes on at its end as at its start: give both ease_in and ease_out, to stop \
+         there, or neither"
+    )]
+    EasesOneSide,
     #[error("ease_in and ease_out take {seconds} s together, and the path lasts {duration} s")]
     EaseTooLong { seconds: f64, duration: f64 },
     #[error(

@@ -29,19 +29,31 @@ pub fn import_cameras(
 ) -> Result<CameraImport, InputError> {
     let check = Checker { file };
     let bytes = InputFiles::default().read(file)?;
-    let json: Option<Value> = serde_json::from_slice(&bytes).ok();
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+    let json: Option<Value> = match serde_json::from_slice(bytes) {
+        Ok(json) => Some(json),
+        Err(error) if bytes.trim_ascii_start().starts_with(b"{") => {
+            return Err(InputError::Syntax {
+                file: file.to_owned(),
+                line: error.line(),
+                column: error.column(),
+                message: error.to_string(),
+            });
+        }
+        Err(_) => None,
+    };
     let has = |key: &str| json.as_ref().is_some_and(|json| json.get(key).is_some());
     if has("camera_path") {
         if fps.is_some() || camera.is_some() {
             let message = "has its own frames, and one camera: leave --fps and --camera out";
             return check.refuse("camera_path", message);
         }
-        let (frames, size) = nerfstudio::parse(file, &bytes)?;
+        let (frames, size) = nerfstudio::parse(file, bytes)?;
         return Ok(CameraImport { frames, size });
     }
     if bytes.starts_with(MAGIC) || has("asset") {
         let fps = check.positive("--fps", fps.unwrap_or(FPS))?;
-        let frames = gltf_file::parse(file, &bytes, fps, camera)?;
+        let frames = gltf_file::parse(file, bytes, fps, camera)?;
         return Ok(CameraImport { frames, size: None });
     }
     check.refuse(

@@ -205,7 +205,7 @@ fn orientation(
     }
 }
 
-/// Sets the segments of keys, and refuses what is given of a segment and would not be used.
+/// Sets the segments of keys, and refuses tangents and easing that are given and would not be used.
 fn segments(
     check: Checker,
     parsed: &CameraPathFile,
@@ -219,6 +219,10 @@ fn segments(
         let leaves = |kind| i < last && interpolation(i) == kind;
         let arrives = |kind| i > 0 && interpolation(i - 1) == kind;
         use InterpolationFile::{Bezier, Hermite};
+        if leaves(InterpolationFile::Hold) && key.ease.is_some() {
+            let message = "is of no use: `interpolation: hold` stays where it is";
+            return check.refuse(&name("ease"), message);
+        }
         let is_passed = leaves(Hermite) || arrives(Hermite);
         for (field, given, is_used, user) in [
             ("velocity", key.velocity, is_passed, "hermite"),

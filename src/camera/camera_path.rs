@@ -1,6 +1,6 @@
 use super::error::PathError;
 use super::keyframe::{Keyframe, Orientation, Pace, Segment, Shape, Speed};
-use super::look_at::{Look, look_at};
+use super::look_at::Look;
 use super::ramp::Ramp;
 use super::rotation::{roll, yaw_pitch_roll};
 use super::track::{Course, Form, Place, Track};
@@ -125,7 +125,7 @@ impl CameraPath {
     /// The cameras at the keys, each with the time at which it is passed.
     pub fn key_cameras(&self) -> Vec<(f64, Camera)> {
         let keys = self.keys.iter().enumerate();
-        let camera = |key, time| Some((time, self.camera_of(Place::Key(key), 0, time).ok()?));
+        let camera = |key, time| Some((time, self.seen_from(Place::Key(key), 0, time).ok()?.0));
         keys.filter_map(|(key, &time)| camera(key, time)).collect()
     }
 
@@ -155,24 +155,36 @@ impl CameraPath {
 
     /// The camera at a time between the first and the last key. An error is about a frame.
     pub(super) fn camera_at(&self, time: f64, frame: u32) -> Result<Camera, PathError> {
-        let place = Place::of(self.walk.times(), self.on_walk(time));
-        self.camera_of(place, frame, time)
+        Ok(self.seen_at(time, frame)?.0)
     }
 
-    fn camera_of(&self, place: Place, frame: u32, time: f64) -> Result<Camera, PathError> {
+    /// The camera at a time and, if it looks at a point, how.
+    fn seen_at(&self, time: f64, frame: u32) -> Result<(Camera, Option<Look>), PathError> {
+        let place = Place::of(self.walk.times(), self.on_walk(time));
+        self.seen_from(place, frame, time)
+    }
+
+    fn seen_from(
+        &self,
+        place: Place,
+        frame: u32,
+        time: f64,
+    ) -> Result<(Camera, Option<Look>), PathError> {
         let position = self.walk.position(place);
-        let rotation = match &self.aim {
+        let (rotation, look) = match &self.aim {
             Aim::Points { targets, rolls } => {
-                look_at(position, targets.at(place), frame, time)? * roll(rolls.at(place))
+                let look = Look::new(position, targets.at(place), frame, time)?;
+                (look.rotation * roll(rolls.at(place)), Some(look))
             }
-            Aim::Angles(angles) => yaw_pitch_roll(angles.at(place)),
-            Aim::Rotations(rotations) => DMat3::from_quat(rotations.at(place)),
+            Aim::Angles(angles) => (yaw_pitch_roll(angles.at(place)), None),
+            Aim::Rotations(rotations) => (DMat3::from_quat(rotations.at(place)), None),
         };
-        Ok(Camera {
+        let camera = Camera {
             position,
             rotation,
             half_height: libm::exp(self.log_half_heights.at(place)),
-        })
+        };
+        Ok((camera, look))
     }
 
     /// The time at which a path without a ramp is as far. So near to a key that only rounding is between, the key's.
@@ -204,13 +216,12 @@ impl CameraPath {
         let mut before: Option<Look> = None;
         for frame in 0..count + u32::from(self.is_closed()) {
             let time = self.timeline.time_of(frame % count);
-            let camera = self.camera_at(time, frame % count)?;
+            let (camera, look) = self.seen_at(time, frame % count)?;
             let size = camera.half_height;
             let is_finite = camera.position.is_finite() && camera.rotation.is_finite();
             if !(is_finite && size > 0.0 && size.is_finite()) {
                 return Err(PathError::NoCamera { frame, time });
             }
-            let look = self.look(time, frame % count)?;
             if let (Some(before), Some(look)) = (&before, &look)
                 && !self.is_cut(frame - 1)
             {
@@ -219,18 +230,6 @@ impl CameraPath {
             before = look;
         }
         Ok(())
-    }
-
-    /// How the camera looks at its point at a time, if it does.
-    fn look(&self, time: f64, frame: u32) -> Result<Option<Look>, PathError> {
-        let place = Place::of(self.walk.times(), self.on_walk(time));
-        match &self.aim {
-            Aim::Points { targets, .. } => {
-                let (eye, target) = (self.walk.position(place), targets.at(place));
-                Look::new(eye, target, frame, time).map(Some)
-            }
-            _ => Ok(None),
-        }
     }
 }
 
@@ -308,7 +307,7 @@ fn rotation(key: &Keyframe, timeline: &Timeline) -> Result<DQuat, PathError> {
             roll: angle,
         } => {
             let frame = ((key.time - timeline.start) * timeline.fps).round() as u32;
-            look_at(key.position, target, frame, key.time)? * roll(angle)
+            Look::new(key.position, target, frame, key.time)?.rotation * roll(angle)
         }
     };
     Ok(DQuat::from_mat3(&matrix))

@@ -12,6 +12,11 @@ pub struct FrameCameras {
 }
 
 impl FrameCameras {
+    /// When a frame is shown, in seconds.
+    pub fn time_of(&self, frame: usize) -> f64 {
+        self.start + frame as f64 / self.fps
+    }
+
     /// Those of all frames of a path.
     pub fn of(path: &CameraPath) -> FrameCameras {
         let timeline = path.timeline();

@@ -1,39 +1,29 @@
 use super::Camera;
 use super::error::PathError;
+use super::rotation::upright;
 use glam::{DMat3, DVec3};
 
 /// Nearer to the vertical than this, the right direction would be made of rounding errors.
 const SMALLEST_SINE: f64 = 1e-7;
 
-/// The rotation of a camera that looks from `eye` to `target` with +Y up. An error is about this frame and time.
-pub(super) fn look_at(
-    eye: DVec3,
-    target: DVec3,
-    frame: u32,
-    time: f64,
-) -> Result<DMat3, PathError> {
-    let Some(backward) = (eye - target).try_normalize() else {
-        return Err(PathError::LooksAtItself { frame, time });
-    };
-    let right = DVec3::Y.cross(backward);
-    if right.length() < SMALLEST_SINE {
-        return Err(PathError::LooksVertically { frame, time });
-    }
-    let right = right.normalize();
-    Ok(DMat3::from_cols(right, backward.cross(right), backward))
-}
-
-/// How a camera looks at a point, before it is rolled.
+/// How a camera looks at a point with +Y up, before it is rolled.
 pub(super) struct Look {
     /// From the point to the eye.
     offset: DVec3,
-    rotation: DMat3,
+    pub(super) rotation: DMat3,
 }
 
 impl Look {
+    /// From `eye` to `target`. An error is about this frame and time.
     pub(super) fn new(eye: DVec3, target: DVec3, frame: u32, time: f64) -> Result<Look, PathError> {
-        let rotation = look_at(eye, target, frame, time)?;
         let offset = eye - target;
+        let Some(backward) = offset.try_normalize() else {
+            return Err(PathError::LooksAtItself { frame, time });
+        };
+        if DVec3::Y.cross(backward).length() < SMALLEST_SINE {
+            return Err(PathError::LooksVertically { frame, time });
+        }
+        let rotation = upright(backward, DVec3::Y);
         Ok(Look { offset, rotation })
     }
 
@@ -62,7 +52,7 @@ impl Camera {
     pub fn look_at(eye: DVec3, target: DVec3, field_of_view: f64) -> Result<Camera, PathError> {
         Ok(Camera {
             position: eye,
-            rotation: look_at(eye, target, 0, 0.0)?,
+            rotation: Look::new(eye, target, 0, 0.0)?.rotation,
             half_height: libm::tan(0.5 * field_of_view),
         })
     }

@@ -24,7 +24,7 @@ pub use keyframe::{Keyframe, Orientation, Pace, Segment, Shape, Speed};
 pub use timeline::Timeline;
 
 use crate::math::Ray;
-use glam::{DMat3, DVec2, DVec3, Vec3};
+use glam::{DMat3, DQuat, DVec2, DVec3, Vec3};
 
 /// A pinhole camera in world coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,13 +41,16 @@ impl Camera {
     /// One at `position` that looks against `backward`, with `up` as near to up in its picture as it can be, its
     /// vertical field of view in radians. The directions need not be of unit length, nor quite square.
     pub fn from_axes(position: DVec3, backward: DVec3, up: DVec3, field_of_view: f64) -> Camera {
-        let backward = backward.normalize();
-        let right = up.cross(backward).normalize();
         Camera {
             position,
-            rotation: DMat3::from_cols(right, backward.cross(right), backward),
+            rotation: rotation::upright(backward.normalize(), up),
             half_height: libm::tan(0.5 * field_of_view),
         }
+    }
+
+    /// Its rotation as a unit quaternion.
+    pub fn quaternion(&self) -> DQuat {
+        DQuat::from_mat3(&self.rotation)
     }
 
     /// Its vertical field of view in radians.

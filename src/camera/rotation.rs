@@ -30,6 +30,13 @@ pub(super) fn log(rotation: DQuat) -> DVec3 {
     axis * (2.0 * libm::atan2(sine, rotation.w) / sine)
 }
 
+/// The rotation of a camera that looks against `backward`, of unit length, with `up` as near to up in its picture as
+/// it can be.
+pub(super) fn upright(backward: DVec3, up: DVec3) -> DMat3 {
+    let right = up.cross(backward).normalize();
+    DMat3::from_cols(right, backward.cross(right), backward)
+}
+
 /// The rotation by yaw, pitch and roll, in radians.
 pub(super) fn yaw_pitch_roll(angles: DVec3) -> DMat3 {
     let turn = |axis: DVec3, angle: f64| exp(axis * angle);

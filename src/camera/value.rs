@@ -29,6 +29,17 @@ pub(super) fn weights(s: f64) -> [f64; 3] {
     [s * s * (3.0 - 2.0 * s), s * t * t, -s * s * t]
 }
 
+/// How far a cubic in a flat space has come.
+fn offset<T: Copy + Add<Output = T> + Mul<f64, Output = T>>(
+    step: T,
+    start: T,
+    end: T,
+    s: f64,
+) -> T {
+    let [a, b, c] = weights(s);
+    step * a + (start * b + end * c)
+}
+
 impl Value for f64 {
     type Step = f64;
 
@@ -45,8 +56,7 @@ impl Value for f64 {
     }
 
     fn cubic(self, step: f64, start: f64, end: f64, s: f64) -> f64 {
-        let [a, b, c] = weights(s);
-        self + (step * a + (start * b + end * c))
+        self + offset(step, start, end, s)
     }
 }
 
@@ -66,8 +76,7 @@ impl Value for DVec3 {
     }
 
     fn cubic(self, step: DVec3, start: DVec3, end: DVec3, s: f64) -> DVec3 {
-        let [a, b, c] = weights(s);
-        self + (step * a + (start * b + end * c))
+        self + offset(step, start, end, s)
     }
 }
 

@@ -31,6 +31,7 @@ use args::{Arguments, Command};
 use clap::Parser;
 use interrupt::Interrupt;
 use std::io;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// What to tell the caller, a person or a scheduler.
@@ -88,6 +89,11 @@ type Failure = Box<dyn std::error::Error>;
 fn is_unread(error: &Failure) -> bool {
     let error = error.downcast_ref::<io::Error>();
     error.is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}
+
+/// That a file is written, or why it is not.
+fn written(file: &Path, result: io::Result<()>) -> Result<(), Failure> {
+    result.map_err(|error| format!("{}: cannot be written: {error}", file.display()).into())
 }
 
 fn warn(warnings: &[String]) {

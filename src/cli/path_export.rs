@@ -1,5 +1,5 @@
 use super::path_args::ExportArguments;
-use super::{Failure, Status};
+use super::{Failure, Status, written};
 use crate::camera::FrameCameras;
 use crate::input::{InputFiles, Settings, load_camera_path};
 use crate::output::{GltfContainer, camera_table, gltf_file, nerfstudio_json, write_whole};
@@ -29,10 +29,6 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
             return Err(format!("{out}: name it .json, .gltf, .glb or .jsonl").into());
         }
     };
-    write_whole(&arguments.out, &bytes)
-        .map_err(|error| {
-            let out = arguments.out.display();
-            format!("{out}: cannot be written: {error}").into()
-        })
-        .map(|()| Status::Done)
+    written(&arguments.out, write_whole(&arguments.out, &bytes))?;
+    Ok(Status::Done)
 }

@@ -1,5 +1,5 @@
 use super::path_args::ImportArguments;
-use super::{Failure, Status};
+use super::{Failure, Status, written};
 use crate::input::{import_cameras, parse_camera_path};
 use crate::output::{camera_path_file, write_whole};
 use std::io::Write;
@@ -18,8 +18,7 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Status, Failure> {
     );
     let text = camera_path_file(&import.frames, import.size, &from);
     let path = parse_camera_path(&arguments.file, text.as_bytes())?.path;
-    write_whole(out, text.as_bytes())
-        .map_err(|error| format!("{}: cannot be written: {error}", out.display()))?;
+    written(out, write_whole(out, text.as_bytes()))?;
     let timeline = path.timeline();
     writeln!(
         std::io::stdout(),

@@ -1,6 +1,6 @@
 use super::loading::load;
 use super::path_args::PlotArguments;
-use super::{Failure, Status};
+use super::{Failure, Status, written};
 use crate::input::Settings;
 use crate::output::write_whole;
 use crate::plot::plot;
@@ -28,7 +28,6 @@ pub(super) fn run(arguments: &PlotArguments) -> Result<Status, Failure> {
     let svg = loaded
         .pool
         .install(|| plot(scene, path, aspect, &title.to_string_lossy()))?;
-    write_whole(&arguments.out, svg.as_bytes())
-        .map_err(|error| format!("{}: {error}", arguments.out.display()))?;
+    written(&arguments.out, write_whole(&arguments.out, svg.as_bytes()))?;
     Ok(Status::Done)
 }

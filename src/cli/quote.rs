@@ -1,7 +1,7 @@
 use super::args::QuoteArguments;
 use super::job::Job;
 use super::progress::clock;
-use super::{Failure, Status};
+use super::{Failure, Status, written};
 use crate::forecast::{Forecast, Quote, samples_within};
 use crate::output::{FrameFolder, PartFile, Plan, write_whole};
 use crate::render::Outcome;
@@ -116,8 +116,7 @@ impl Kept {
             let pretty = ron::ser::PrettyConfig::new().struct_names(true);
             let text = ron::ser::to_string_pretty(&kept, pretty)?;
             let file = out.join(Kept::FILE);
-            let written = write_whole(&file, text.as_bytes());
-            written.map_err(|error| format!("{}: cannot be written: {error}", file.display()))?;
+            written(&file, write_whole(&file, text.as_bytes()))?;
         }
         Ok(kept)
     }

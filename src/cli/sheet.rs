@@ -1,5 +1,5 @@
 use super::args::SheetArguments;
-use super::{Failure, Status};
+use super::{Failure, Status, written};
 use crate::output::{ContactSheet, FrameFolder};
 use std::io::Write;
 use std::path::Path;
@@ -30,6 +30,5 @@ pub(super) fn run(arguments: &SheetArguments) -> Result<Status, Failure> {
 
 /// Makes a contact sheet of some frames of a folder.
 pub(super) fn draw(folder: &FrameFolder, frames: &[u32], file: &Path) -> Result<(), Failure> {
-    let written = ContactSheet::new(folder, frames).write(file);
-    written.map_err(|error| format!("{}: cannot be written: {error}", file.display()).into())
+    written(file, ContactSheet::new(folder, frames).write(file))
 }

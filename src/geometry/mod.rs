@@ -2,6 +2,7 @@
 //!
 //! Knows nothing of materials, files or acceleration structures.
 
+mod cuboid;
 mod hit;
 mod mesh;
 mod polygon;
@@ -9,6 +10,7 @@ mod sphere;
 mod transform;
 mod triangle;
 
+pub use cuboid::cuboid;
 pub use hit::Hit;
 pub use mesh::{Corners, Mesh};
 pub use polygon::{fan, triangulate};

@@ -2,7 +2,7 @@ use super::check::Checker;
 use super::error::InputError;
 use super::files::InputFiles;
 use super::gltf_essence::MAGIC;
-use super::{gltf_file, nerfstudio};
+use super::{gltf_file, json_file, nerfstudio};
 use crate::camera::FrameCameras;
 use serde_json::Value;
 use std::path::Path;
@@ -30,17 +30,9 @@ pub fn import_cameras(
     let check = Checker { file };
     let bytes = InputFiles::default().read(file)?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-    let json: Option<Value> = match serde_json::from_slice(bytes) {
-        Ok(json) => Some(json),
-        Err(error) if bytes.trim_ascii_start().starts_with(b"{") => {
-            return Err(InputError::Syntax {
-                file: file.to_owned(),
-                line: error.line(),
-                column: error.column(),
-                message: error.to_string(),
-            });
-        }
-        Err(_) => None,
+    let json: Option<Value> = match bytes.trim_ascii_start().first() {
+        Some(b'{') => Some(json_file::parse(file, bytes)?),
+        _ => None,
     };
     let has = |key: &str| json.as_ref().is_some_and(|json| json.get(key).is_some());
     if has("camera_path") {

@@ -137,11 +137,7 @@ pub fn parse_camera_path(file: &Path, bytes: &[u8]) -> Result<CameraPathInput, I
 /// A key of its own: nothing is known yet of the way to the next.
 fn keyframe(check: Checker, index: usize, key: &KeyframeFile) -> Result<Keyframe, InputError> {
     let name = |field: &str| format!("keyframes[{index}].{field}");
-    let fov = key.fov;
-    if !(fov > 0.0 && fov < 180.0) {
-        let message = format!("{fov} degrees; a vertical field of view lies between 0 and 180");
-        return check.refuse(&name("fov"), message);
-    }
+    let field_of_view = check.field_of_view(&name("fov"), key.fov)?;
     let time = key.time;
     if time.is_nan() || time.abs() > 1e9 {
         return check.refuse(&name("time"), format!("{time} is not a time in seconds"));
@@ -150,7 +146,7 @@ fn keyframe(check: Checker, index: usize, key: &KeyframeFile) -> Result<Keyframe
         time,
         position: check.vector(&name("position"), key.position)?,
         orientation: orientation(check, index, key)?,
-        field_of_view: fov.to_radians(),
+        field_of_view,
         segment: Segment::of(Shape::CatmullRom),
     })
 }

@@ -56,6 +56,15 @@ impl Checker<'_> {
         self.refuse(key, message)
     }
 
+    /// A vertical field of view in degrees, to radians.
+    pub(super) fn field_of_view(self, key: &str, degrees: f64) -> Result<f64, InputError> {
+        if degrees > 0.0 && degrees < 180.0 {
+            return Ok(degrees.to_radians());
+        }
+        let message = format!("{degrees} degrees; a vertical field of view lies between 0 and 180");
+        self.refuse(key, message)
+    }
+
     /// A point, direction or set of angles.
     pub(super) fn vector(self, key: &str, (x, y, z): Triple) -> Result<DVec3, InputError> {
         let vector = DVec3::new(x, y, z);

@@ -1,5 +1,6 @@
 use super::check::Checker;
 use super::error::InputError;
+use super::json_file;
 use serde_json::{Map, Value};
 use std::path::Path;
 
@@ -53,13 +54,7 @@ pub(super) fn gltf_essence(file: &Path, bytes: &[u8]) -> Result<GltfEssence, Inp
         },
         false => (bytes, None),
     };
-    let fault = |error: serde_json::Error| InputError::Syntax {
-        file: file.to_owned(),
-        line: error.line(),
-        column: error.column(),
-        message: error.to_string(),
-    };
-    let mut all: Map<String, Value> = serde_json::from_slice(text).map_err(fault)?;
+    let mut all: Map<String, Value> = json_file::parse(file, text)?;
     all.retain(|key, _| OF_FILE.contains(&key.as_str()));
     for node in entries(all.get_mut("nodes")) {
         node.retain(|key, _| OF_NODE.contains(&key.as_str()));
@@ -91,7 +86,7 @@ pub(super) fn gltf_essence(file: &Path, bytes: &[u8]) -> Result<GltfEssence, Inp
         }
     }
     Ok(GltfEssence {
-        text: serde_json::to_vec(&all).map_err(fault)?,
+        text: Value::Object(all).to_string().into_bytes(),
         blob,
         pointed,
     })

@@ -14,6 +14,7 @@ mod gltf_buffers;
 mod gltf_essence;
 mod gltf_file;
 mod gltf_sampler;
+mod json_file;
 mod mtl;
 mod nerfstudio;
 mod obj;

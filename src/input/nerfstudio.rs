@@ -12,6 +12,7 @@
 
 use super::check::{Checker, LARGEST};
 use super::error::InputError;
+use super::json_file;
 use crate::camera::{Camera, FrameCameras};
 use glam::{DMat3, DVec3};
 use serde::Deserialize;
@@ -42,13 +43,7 @@ pub(super) fn parse(
     text: &[u8],
 ) -> Result<(FrameCameras, Option<(u32, u32)>), InputError> {
     let check = Checker { file };
-    let parsed: CameraPathJson =
-        serde_json::from_slice(text).map_err(|error| InputError::Syntax {
-            file: file.to_owned(),
-            line: error.line(),
-            column: error.column(),
-            message: error.to_string(),
-        })?;
+    let parsed: CameraPathJson = json_file::parse(file, text)?;
     let kind = parsed.camera_type.unwrap_or_default();
     if OTHER_TYPES.contains(&kind.to_lowercase().as_str()) {
         let message = format!("\"{kind}\"; only perspective cameras can be rendered");
@@ -99,17 +94,10 @@ fn camera(check: Checker, index: usize, frame: &FrameJson) -> Result<Camera, Inp
             "turns and scales or mirrors; only rotations and translations can be rendered";
         return check.refuse(&name("camera_to_world"), message);
     }
-    if !(frame.fov > 0.0 && frame.fov < 180.0) {
-        let message = format!(
-            "{} degrees; a vertical field of view lies between 0 and 180",
-            frame.fov
-        );
-        return check.refuse(&name("fov"), message);
-    }
     Ok(Camera::from_axes(
         column(3),
         column(2),
         column(1),
-        frame.fov.to_radians(),
+        check.field_of_view(&name("fov"), frame.fov)?,
     ))
 }

@@ -1,5 +1,4 @@
-use crate::camera::{Camera, FrameCameras};
-use glam::DQuat;
+use crate::camera::FrameCameras;
 use std::fmt::Write;
 
 /// The text of a camera path file with a key for each frame: its frames have these cameras. `from` is a line about
@@ -17,16 +16,15 @@ pub fn camera_path_file(cameras: &FrameCameras, size: Option<(u32, u32)>, from: 
         text += &format!("    settings: (size: ({width}, {height})),\n");
     }
     text += "    keyframes: [\n";
-    let rotation = |camera: &Camera| DQuat::from_mat3(&camera.rotation);
     for (frame, camera) in cameras.cameras.iter().enumerate() {
-        let time = cameras.start + frame as f64 / cameras.fps;
+        let time = cameras.time_of(frame);
         let [x, y, z] = camera.position.to_array();
-        let quaternion = rotation(camera);
+        let quaternion = camera.quaternion();
         let [a, b, c, d] = quaternion.to_array();
         let fov = camera.field_of_view().to_degrees();
         // Half a turn has no short way, and from a frame to the next it is a cut.
         let next = cameras.cameras.get(frame + 1);
-        let is_cut = next.is_some_and(|next| quaternion.dot(rotation(next)).abs() < 1e-6);
+        let is_cut = next.is_some_and(|next| quaternion.dot(next.quaternion()).abs() < 1e-6);
         let hold = if is_cut { ", interpolation: hold" } else { "" };
         let _ = writeln!(
             text,

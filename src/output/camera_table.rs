@@ -1,5 +1,4 @@
 use crate::camera::FrameCameras;
-use glam::DQuat;
 use serde::Serialize;
 
 /// A line of a table of cameras.
@@ -23,9 +22,9 @@ pub fn camera_table(cameras: &FrameCameras) -> serde_json::Result<String> {
     for (frame, camera) in cameras.cameras.iter().enumerate() {
         let row = Row {
             frame,
-            time: cameras.start + frame as f64 / cameras.fps,
+            time: cameras.time_of(frame),
             position: camera.position.to_array(),
-            quaternion: DQuat::from_mat3(&camera.rotation).to_array(),
+            quaternion: camera.quaternion().to_array(),
             fov: camera.field_of_view().to_degrees(),
         };
         table += &serde_json::to_string(&row)?;

@@ -23,8 +23,8 @@ pub fn gltf_file(
 ) -> serde_json::Result<Vec<u8>> {
     let mut data = Data::default();
     let count = cameras.cameras.len();
-    let time = |frame: usize| (cameras.start + frame as f64 / cameras.fps) as f32;
-    let times: Vec<f32> = (0..count).map(time).collect();
+    let times = (0..count).map(|frame| cameras.time_of(frame) as f32);
+    let times: Vec<f32> = times.collect();
     let range = json!({"min": [times[0]], "max": [times[count - 1]]});
     let input = data.add("SCALAR", count, times.into_iter(), range);
 
@@ -32,7 +32,7 @@ pub fn gltf_file(
     let positions: Vec<[f64; 3]> = of_each.clone().map(|c| c.position.to_array()).collect();
     let mut rotations: Vec<DQuat> = Vec::new();
     for camera in &cameras.cameras {
-        let rotation = DQuat::from_mat3(&camera.rotation);
+        let rotation = camera.quaternion();
         // Of both signs the one nearer to the last: not everybody looks for the short way.
         let flips = rotations
             .last()

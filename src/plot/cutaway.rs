@@ -216,33 +216,22 @@ fn line(here: &Behind, next: &Behind, forward: Vec3, step: f64) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Sphere;
+    use crate::geometry::{Sphere, cuboid};
     use crate::material::Material;
     use crate::scene::{MeshMaterial, SceneBuilder, SourceMesh};
 
     /// A room 4 m wide and deep and 3 m high, its floor at y = 0 and its middle at x = z = 0, and spheres in it.
     fn room(is_inside_out: bool, spheres: &[(DVec3, f64)]) -> Scene {
-        let corner = |number: usize| {
-            let sign = |bit: usize| if number >> bit & 1 == 1 { 2.0 } else { -2.0 };
-            DVec3::new(sign(0), if number & 2 == 2 { 3.0 } else { 0.0 }, sign(2))
-        };
-        let sides = [
-            [0, 4, 5, 1],
-            [2, 3, 7, 6],
-            [0, 1, 3, 2],
-            [4, 6, 7, 5],
-            [0, 2, 6, 4],
-            [1, 5, 7, 3],
-        ];
-        let triangles = sides.iter().flat_map(|&[a, b, c, d]| {
-            let both = [[a, b, c], [a, c, d]];
-            both.map(|[a, b, c]| if is_inside_out { [a, c, b] } else { [a, b, c] })
-        });
+        let (positions, mut triangles) =
+            cuboid(DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 2.0));
+        if !is_inside_out {
+            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
         let mesh = SourceMesh {
-            positions: (0..8).map(corner).collect(),
+            positions,
             normals: vec![],
             uvs: vec![],
-            triangles: triangles.collect(),
+            triangles,
             material: MeshMaterial::Uniform(0),
         };
         let sphere = |&(center, radius): &(DVec3, f64)| (Sphere::new(center, radius), 0);

@@ -95,8 +95,8 @@ impl Motion {
     /// The vertical field of view of the frames of a shot: seconds and degrees.
     pub(super) fn fields_of_view(&self, shot: &Range<u32>) -> Vec<(f64, f64)> {
         let of = |frame| {
-            let half = libm::atan(self.camera(frame).half_height);
-            (self.timeline.time_of(frame), (2.0 * half).to_degrees())
+            let degrees = self.camera(frame).field_of_view().to_degrees();
+            (self.timeline.time_of(frame), degrees)
         };
         shot.clone().map(of).collect()
     }

@@ -2,7 +2,7 @@
 
 use super::flight::Flight;
 use crate::camera::{Camera, CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
-use crate::geometry::Sphere;
+use crate::geometry::{self, Sphere};
 use crate::material::Material;
 use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
 use glam::{DVec3, Vec3};
@@ -49,30 +49,12 @@ pub(super) fn flight(cameras: Vec<Camera>) -> Flight {
 
 /// A closed box, seen from outside, with corners of its own.
 pub(super) fn cuboid(min: DVec3, max: DVec3) -> SourceMesh {
-    let corner = |i: usize| {
-        let pick = |axis: usize| {
-            if i >> axis & 1 == 0 {
-                min[axis]
-            } else {
-                max[axis]
-            }
-        };
-        DVec3::new(pick(0), pick(1), pick(2))
-    };
-    let sides = [
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-    ];
-    let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+    let (positions, triangles) = geometry::cuboid(min, max);
     SourceMesh {
-        positions: (0..8).map(corner).collect(),
+        positions,
         normals: Vec::new(),
         uvs: Vec::new(),
-        triangles: sides.into_iter().flat_map(halves).collect(),
+        triangles,
         material: MeshMaterial::Uniform(0),
     }
 }

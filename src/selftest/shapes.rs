@@ -1,3 +1,4 @@
+use crate::geometry;
 use crate::scene::{MeshMaterial, SourceMesh};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
@@ -85,31 +86,8 @@ impl Polyhedron {
 
     /// A box from `min` to `max`, seen from outside.
     pub(super) fn cuboid(min: DVec3, max: DVec3) -> Polyhedron {
-        let corner = |i: u32| {
-            let pick = |axis: usize| {
-                if i >> axis & 1 == 0 {
-                    min[axis]
-                } else {
-                    max[axis]
-                }
-            };
-            DVec3::new(pick(0), pick(1), pick(2))
-        };
-        let sides = [
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-        ];
-        let faces = sides
-            .into_iter()
-            .flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
-        Polyhedron {
-            corners: (0..8).map(corner).collect(),
-            faces: faces.collect(),
-        }
+        let (corners, faces) = geometry::cuboid(min, max);
+        Polyhedron { corners, faces }
     }
 
     /// A parallelogram, counter-clockwise from `corner` by `right` to `up`.

@@ -28,6 +28,17 @@ pub struct CameraPath {
     cuts: Vec<f64>,
 }
 
+/// What a path says of where its camera looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Steering {
+    /// A point that it looks at, and a roll against +Y.
+    Points,
+    /// Yaw, pitch and roll.
+    Angles,
+    /// Rotations, or what only they can lead from one to the next.
+    Rotations,
+}
+
 /// What decides where the camera looks.
 #[derive(Clone, Debug)]
 enum Aim {
@@ -127,6 +138,15 @@ impl CameraPath {
         let keys = self.keys.iter().enumerate();
         let camera = |key, time| Some((time, self.seen_from(Place::Key(key), 0, time).ok()?.0));
         keys.filter_map(|(key, &time)| camera(key, time)).collect()
+    }
+
+    /// What the path says of where the camera looks.
+    pub fn steering(&self) -> Steering {
+        match self.aim {
+            Aim::Points { .. } => Steering::Points,
+            Aim::Angles(_) => Steering::Angles,
+            Aim::Rotations(_) => Steering::Rotations,
+        }
     }
 
     /// Whether the path goes on at its first frame after its last.

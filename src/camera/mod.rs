@@ -17,7 +17,7 @@ mod track;
 mod value;
 mod walk;
 
-pub use camera_path::CameraPath;
+pub use camera_path::{CameraPath, Steering};
 pub use error::PathError;
 pub use frame_cameras::FrameCameras;
 pub use keyframe::{Keyframe, Orientation, Pace, Segment, Shape, Speed};

@@ -209,6 +209,26 @@ mod tests {
     }
 
     #[test]
+    fn a_path_that_stays_in_a_body_is_told_from_one_in_a_room() {
+        let ball = (DVec3::new(0.0, 1.5, 0.0), 0.9);
+        let at = |x: f64| DVec3::new(x, 1.5, 0.0);
+        let is_inside = |scene: &Scene| {
+            let found = find(scene, &Flight::new(&walk(at(-0.3), at(0.4))), 0.1);
+            found
+                .iter()
+                .any(|f| matches!(f.kind, Oddity::Inside { .. }))
+        };
+        assert!(is_inside(&scene(vec![hall()], &[ball])));
+        // A ball that is all there is, one below the sky, and a house on a landscape, are rooms.
+        assert!(!is_inside(&scene(vec![], &[ball])));
+        let sky = (DVec3::ZERO, 100.0);
+        assert!(!is_inside(&scene(vec![], &[sky, ball])));
+        let ground = cuboid(DVec3::new(-50.0, -1.0, -50.0), DVec3::new(50.0, -0.1, 50.0));
+        let house = inverted(hall());
+        assert!(!is_inside(&scene(vec![ground, house], &[])));
+    }
+
+    #[test]
     fn nearness_is_exact() {
         // 0.2 m above a thin plate's edge, of which no ray in some directions would know.
         let plate = cuboid(DVec3::new(-9.0, 0.0, 0.0), DVec3::new(9.0, 1.5, 1e-4));

@@ -155,11 +155,14 @@ impl fmt::Display for Finding {
     }
 }
 
-/// Writes a number with two digits, or more where they stand before the point.
+/// Writes a number with two digits, or more where they stand before the point, up to nine.
 struct Short(f64);
 
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        if self.0.abs() >= 1e9 {
+            return write!(f, "{:.1e}", self.0);
+        }
         let decimals = match self.0 {
             x if x.is_normal() => (1.0 - x.abs().log10().floor()).clamp(0.0, 30.0) as usize,
             _ => 0,
@@ -181,6 +184,7 @@ mod tests {
             (5.04, "5.0"),
             (38.4, "38"),
             (1280.0, "1280"),
+            (-1.234e300, "-1.2e300"),
         ] {
             assert_eq!(Short(number).to_string(), text);
         }

@@ -1,13 +1,14 @@
-//! Cameras that keep +Y up and look almost straight up or down: their pictures spin.
+//! Cameras that keep +Y up, or have a roll to it, and look almost straight up or down: their pictures spin.
 
 use super::finding::Measured;
 use super::flight::Flight;
 use super::{Finding, Oddity};
-use crate::camera::Camera;
+use crate::camera::{Camera, Steering};
+use glam::Vec3Swizzles;
 use std::f64::consts::PI;
 
-/// A heading that turns by more from one frame to the next spins: 120 degrees in a second, at 24 frames.
-const LEAST_TURN: f64 = 5.0 * PI / 180.0;
+/// A heading that turns faster spins, in radians per second.
+const LEAST_TURN: f64 = 2.0 / 3.0 * PI;
 
 /// So much more than the view the heading turns near the vertical: within 5 degrees of it, and where the camera
 /// gets past it from one frame to the next.
@@ -17,7 +18,17 @@ const MORE: f64 = 11.0;
 const LEVEL: f64 = 1e-6;
 
 pub(super) fn find(flight: &Flight) -> Vec<Finding> {
-    let turns = flight.steps(spin);
+    let keeps_up = |camera: &Camera| match flight.steering {
+        Steering::Points => true,
+        // The path itself says how the picture turns.
+        Steering::Angles => false,
+        Steering::Rotations => camera.rotation.x_axis.y.abs() < LEVEL,
+    };
+    let least = LEAST_TURN / flight.fps;
+    let turns = flight.steps(|from, to| {
+        let spin = heading_turn(from, to).filter(|turn| *turn > least);
+        spin.filter(|_| keeps_up(from) && keeps_up(to))
+    });
     let found: Vec<Measured> = (turns.into_iter().enumerate())
         .filter_map(|(frame, turn)| Some((frame, turn??)))
         .collect();
@@ -34,20 +45,19 @@ pub(super) fn find(flight: &Flight) -> Vec<Finding> {
     finding.into_iter().collect()
 }
 
-/// How far a heading turns that spins, in radians; none if it does not.
-fn spin(from: &Camera, to: &Camera) -> Option<f64> {
-    let rights = [from, to].map(|camera| camera.rotation.x_axis);
-    let is_level = rights.iter().all(|right| right.y.abs() < LEVEL);
-    let heading = rights[0].angle_between(rights[1]);
-    let view = from.rotation.z_axis.angle_between(to.rotation.z_axis);
-    (is_level && heading > LEAST_TURN && heading > MORE * view).then_some(heading)
+/// How far the compass direction turns in which cameras look, in radians, where that is much farther than the view
+/// turns.
+fn heading_turn(from: &Camera, to: &Camera) -> Option<f64> {
+    let [before, after] = [from, to].map(|camera| camera.rotation.z_axis);
+    let heading = before.xz().angle_to(after.xz()).abs();
+    (heading > MORE * before.angle_between(after)).then_some(heading)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::stage::{flight, path, still};
+    use super::super::stage::{FPS, flight, path, still};
     use super::*;
-    use crate::camera::Shape;
+    use crate::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
     use glam::{DMat3, DVec3};
 
     /// Past a point 3 m below, so many metres beside it.
@@ -89,6 +99,29 @@ mod tests {
             panic!("{found:?}")
         };
         assert!((turn - PI).abs() < 1e-6);
+    }
+
+    #[test]
+    fn rolls_hide_no_spin_and_angles_are_meant() {
+        let target = DVec3::new(0.1, -3.0, 0.0);
+        let key = |(time, z): (f64, f64), orientation| Keyframe {
+            time,
+            position: DVec3::new(0.0, 0.0, z),
+            orientation,
+            field_of_view: 1.0,
+            segment: Segment::of(Shape::Linear),
+        };
+        let found = |keys: [Keyframe; 2]| {
+            let path = CameraPath::new(FPS, &keys, &Pace::BY_KEYS).expect("a path");
+            find(&Flight::new(&path))
+        };
+        let rolled = [(0.0, 3.0), (4.0, -3.0)]
+            .map(|place| key(place, Orientation::LookAt { target, roll: 0.3 }));
+        assert_eq!(found(rolled).len(), 1);
+        // Straight down, a quarter of a turn in each second.
+        let down = |yaw| Orientation::YawPitchRoll(DVec3::new(yaw, -0.499 * PI, 0.0));
+        let turned = [key((0.0, 0.0), down(0.0)), key((0.5, 0.0), down(0.5 * PI))];
+        assert_eq!(found(turned), []);
     }
 
     #[test]

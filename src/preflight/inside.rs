@@ -3,6 +3,7 @@
 use super::flight::Flight;
 use crate::accel::Traversal;
 use crate::camera::Camera;
+use crate::geometry::Hit;
 use crate::math::Ray;
 use crate::sampling::uniform_sphere;
 use crate::scene::Scene;
@@ -16,12 +17,17 @@ const DIRECTIONS: usize = 8;
 /// at their feet.
 const NEARLY_ALL: f64 = 0.8;
 
+/// So many of all directions are most of them: more than a landscape around a house fills.
+const MOST: f64 = 0.65;
+
 /// What there is all around a camera.
 pub(super) struct Sight {
     /// In what share of all directions it sees the front of a surface.
     fronts: f64,
     /// The same of backs.
     backs: f64,
+    /// In what share of all directions the front of another surface is behind the first if that shows its back.
+    fronts_behind_backs: f64,
     /// The harmonic mean of the distances of surfaces, in metres.
     room: f64,
 }
@@ -35,24 +41,45 @@ impl Sight {
             .map(|i| uniform_sphere(at(i % DIRECTIONS), at(i / DIRECTIONS)))
             .map(|direction| Ray::new(eye, direction))
             .collect();
-        let mut hits = vec![None; rays.len()];
-        scene.closest_of_wave(&rays, &mut hits, &mut Traversal::default());
-        let (mut fronts, mut backs, mut inverses) = (0.0, 0.0, 0.0);
-        for (ray, hit) in rays.iter().zip(&hits) {
-            let Some(hit) = hit else { continue };
-            match scene.is_front(ray, hit) {
-                true => fronts += 1.0,
-                false => backs += 1.0,
-            }
-            inverses += 1.0 / hit.t;
-        }
+        let met = meet(scene, &rays);
+        let (fronts, backs): (Vec<&Met>, _) = met.iter().partition(|met| met.is_front);
+        let behind: Vec<Ray> = backs.iter().map(|met| met.onward).collect();
+        let behind = meet(scene, &behind);
+        let inverses: f64 = met.iter().map(|met| 1.0 / met.distance).sum();
         let count = rays.len() as f64;
         Sight {
-            fronts: fronts / count,
-            backs: backs / count,
+            fronts: fronts.len() as f64 / count,
+            backs: backs.len() as f64 / count,
+            fronts_behind_backs: behind.iter().filter(|met| met.is_front).count() as f64 / count,
             room: count / inverses,
         }
     }
+}
+
+/// What a ray meets.
+struct Met {
+    /// In metres.
+    distance: f64,
+    is_front: bool,
+    /// What goes on behind it.
+    onward: Ray,
+}
+
+/// What some rays meet, without those that meet nothing.
+fn meet(scene: &Scene, rays: &[Ray]) -> Vec<Met> {
+    // Of the distance: more than it is rounded by.
+    const BEHIND: f64 = 1.0 + 1e-4;
+    let mut hits = vec![None; rays.len()];
+    scene.closest_of_wave(rays, &mut hits, &mut Traversal::default());
+    let met = |(ray, hit): (&Ray, Option<Hit>)| {
+        let hit = hit?;
+        Some(Met {
+            distance: hit.t,
+            is_front: scene.is_front(ray, &hit),
+            onward: Ray::new(ray.at(BEHIND * hit.t).as_vec3(), ray.direction),
+        })
+    };
+    rays.iter().zip(hits).filter_map(met).collect()
 }
 
 /// Frames between passages through surfaces.
@@ -72,7 +99,8 @@ struct Stay {
 /// and is mostly narrower than what it stands in. If it is much narrower, and the camera is outside for longer, its
 /// faces may as well look inward.
 ///
-/// Where the camera jumps in and out, it is inside if it sees nothing but backs, and few elsewhere on the path.
+/// Where the camera jumps in and out, or stays, it is inside if it sees nothing but backs, and either few elsewhere
+/// on the path or the right side of what is behind them: in a room whose walls face away there are only such walls.
 pub(super) fn frames_inside(
     flight: &Flight,
     sights: &[Sight],
@@ -83,7 +111,10 @@ pub(super) fn frames_inside(
     let mut inside = Vec::new();
     for shot in flight.shots() {
         let sees_backs = |frame: &usize| sights[*frame].backs >= NEARLY_ALL;
-        if sees_backs_seldom && shot.clone().all(|frame| sees_backs(&frame)) {
+        let sees_fronts = |frame: &usize| sights[*frame].fronts_behind_backs >= MOST;
+        let faces_outward =
+            |frame: usize| sees_backs(&frame) && (sees_backs_seldom || sees_fronts(&frame));
+        if shot.clone().all(faces_outward) {
             inside.extend(shot);
             continue;
         }

@@ -18,6 +18,9 @@ const LEAST_JUMP: f64 = 0.2;
 /// it: more than twice what a steady change gives.
 const ABRUPT: f64 = 4.0;
 
+/// A stutter's change is taken back by so much of it, or more, within two frames.
+const TAKEN_BACK: f64 = 0.5;
+
 /// Changes of position below this share of the coordinates are rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
@@ -92,26 +95,35 @@ fn usual(steps: &[Option<DVec3>], least: f64) -> Option<f64> {
 ///
 /// The change may be spread over two frames, as a corner is that lies between them: so steps are compared with
 /// those two before. It must stand out from the changes around, which a smooth curve's does not, be it as
-/// narrow as it may. Where too little is known of what is around, at the ends of a shot, nothing is found.
+/// narrow as it may, or be taken back at once: a stutter. Where too little is known of what is around, at the ends of
+/// a shot, nothing is found.
 fn jumps(steps: &[Option<DVec3>], least: impl Fn(usize) -> f64) -> Vec<Measured> {
     let count = steps.len() as isize;
     // The ends are joined: what is beyond the last frame of a path that is not closed is no step.
-    let difference = |from: isize, to: isize| -> Option<f64> {
+    let difference = |from: isize, to: isize| -> Option<DVec3> {
         let step = |frame: isize| steps[frame.rem_euclid(count) as usize];
         let all = (from..=to).all(|frame| step(frame).is_some());
-        Some((step(to)? - step(from)?).length()).filter(|_| all)
+        Some(step(to)? - step(from)?).filter(|_| all)
     };
-    let change = |frame: isize| difference(frame - 1, frame);
+    let length = |from, to| Some(difference(from, to)?.length());
+    let change = |frame: isize| length(frame - 1, frame);
+    let is_stutter = |frame: isize, own: f64| {
+        let change = |offset: isize| difference(frame + offset - 1, frame + offset);
+        let back = |other: DVec3| {
+            change(0).is_some_and(|change| -change.dot(other) > TAKEN_BACK * own * own)
+        };
+        own > least(frame as usize) && [-2, -1, 1, 2].into_iter().filter_map(change).any(back)
+    };
     let jump = |frame: isize| {
         let own = change(frame)?;
         let is_peak = change(frame - 1).is_none_or(|before| before < own)
             && change(frame + 1).is_none_or(|after| after <= own);
-        let pairs = [
-            difference(frame - 2, frame),
-            difference(frame - 1, frame + 1),
-        ];
+        if is_stutter(frame, own) {
+            return Some(own);
+        }
+        let pairs = [length(frame - 2, frame), length(frame - 1, frame + 1)];
         let jump = pairs.into_iter().flatten().fold(own, f64::max);
-        let around = [-3, -2, 2, 3].map(|offset| change(frame + offset));
+        let around = [-2, 2].map(|offset| change(frame + offset));
         let around = around.into_iter().flatten().reduce(f64::max)?;
         (is_peak && jump > least(frame as usize) + ABRUPT * around).then_some(jump)
     };
@@ -235,6 +247,30 @@ mod tests {
             found[0].kind,
             Oddity::VelocityJump { frame: 30, .. }
         ));
+    }
+
+    #[test]
+    fn stutters_and_corners_close_together_are_found() {
+        // Each second, third or fourth frame is shown once more.
+        for period in 2..=4 {
+            let place = |i: u32| {
+                let distance = 0.05 * f64::from(i - i / period);
+                still(DVec3::NEG_Z * distance, DVec3::NEG_Z)
+            };
+            let found = find(&flight((0..60).map(place).collect()), HEIGHT);
+            assert_eq!(found.len(), 1, "{found:?}");
+            assert!(matches!(found[0].kind, Oddity::VelocityJump { .. }));
+            assert!(found[0].frames.count() >= 25);
+        }
+        // Corners of 17 degrees at each third frame.
+        let mut at = DVec3::ZERO;
+        let place = |i: u32| {
+            let (sin, cos) = (0.3 * f64::from(i / 3)).sin_cos();
+            at += 0.05 * DVec3::new(cos, 0.0, sin);
+            still(at, DVec3::NEG_Z)
+        };
+        let found = find(&flight((0..60).map(place).collect()), HEIGHT);
+        assert!(found[0].frames.count() >= 15, "{found:?}");
     }
 
     #[test]

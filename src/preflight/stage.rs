@@ -1,7 +1,7 @@
 //! Scenes and paths of the tests.
 
 use super::flight::Flight;
-use crate::camera::{Camera, CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
+use crate::camera::{Camera, CameraPath, Keyframe, Orientation, Pace, Segment, Shape, Steering};
 use crate::geometry::{self, Sphere};
 use crate::material::Material;
 use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
@@ -44,6 +44,7 @@ pub(super) fn flight(cameras: Vec<Camera>) -> Flight {
         cameras,
         is_closed: false,
         fps: FPS,
+        steering: Steering::Rotations,
     }
 }
 

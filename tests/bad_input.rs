@@ -150,6 +150,18 @@ fn paths() {
             "keyframes[0].roll: goes with look_at",
         ),
         (
+            one("position: (0, 0, 0), look_at: (0, 0, 1), roll: NaN, fov: 50"),
+            "keyframes[0].roll: NaN is not between -1000000000000000 and",
+        ),
+        (
+            two(
+                "interpolation: hermite, velocity: (0, 0, 1)",
+                "velocity: (0, 0, 2)",
+            )
+            .replace("fps: 24", "fps: 24, closed: true"),
+            "keyframes[1].velocity: is not that of keyframes[0], where a closed path goes on",
+        ),
+        (
             one("position: (0, 0, 0), rotation: (0, 0, 0), velocity: (0, 0, 1), fov: 50"),
             "keyframes[0].velocity: is of no use",
         ),

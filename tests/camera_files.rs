@@ -91,8 +91,10 @@ fn blenders_cameras_are_those_of_the_specification() {
             assert!(error < 1e-6, "{truth_name}: {error}");
             // And so are the frames of the camera path file that is made of them.
             let text = camera_path_file(&imported.frames, None, "");
-            let error = difference(&loaded(&text).cameras, &imported.frames.cameras);
+            let loaded = loaded(&text);
+            let error = difference(&loaded.cameras, &imported.frames.cameras);
             assert!(error < 1e-12, "{truth_name}: {error}");
+            assert_eq!(loaded.cuts, imported.frames.cuts, "{truth_name}");
         }
     }
 }
@@ -182,6 +184,39 @@ fn what_is_written_is_read() {
         });
         let error = difference(&cameras.collect::<Vec<_>>(), &path.cameras);
         assert!(error < 1e-14, "{name}: {error}");
+    }
+}
+
+/// Between frames in which a camera stands still, by keys that are stepped between, it jumps: wherever it does.
+#[test]
+fn steps_are_cuts() {
+    let step = import_cameras(&reference("step.glb"), None, None).unwrap();
+    let cameras = &step.frames.cameras;
+    let jumps = (0..cameras.len() - 1).filter(|&frame| cameras[frame] != cameras[frame + 1]);
+    let jumps: Vec<usize> = jumps.collect();
+    assert!(!jumps.is_empty());
+    assert_eq!(step.frames.cuts, jumps);
+    for name in ["linear.glb", "cubicspline.glb"] {
+        let smooth = import_cameras(&reference(name), None, None).unwrap();
+        assert!(smooth.frames.cuts.is_empty(), "{name}");
+    }
+}
+
+/// In single precision frames that late are not told apart.
+#[test]
+fn times_that_gltf_cannot_tell_apart_are_refused() {
+    let mut late = FrameCameras::of(&shipped_path("zoom.ron"));
+    for (start, fps, is_refused) in [
+        (0.0, 24.0, false),
+        (3600.0, 24.0, false),
+        (1e5, 24.0, true),
+        (-1e5, 240.0, true),
+    ] {
+        (late.start, late.fps) = (start, fps);
+        let written = gltf_file(&late, 1.0, GltfContainer::Binary);
+        let refusal = written.err().map(|error| error.to_string());
+        assert_eq!(refusal.is_some(), is_refused, "{start}");
+        assert!(refusal.is_none_or(|said| said.contains("single precision")));
     }
 }
 

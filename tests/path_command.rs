@@ -3,6 +3,8 @@
 
 mod support;
 
+use glam::{DVec3, DVec4};
+use serde::Deserialize;
 use std::path::Path;
 use support::project::Project;
 use support::{flythrough, root, stderr};
@@ -23,12 +25,13 @@ fn paths_go_out_and_come_back() {
     let folder = tempfile::tempdir().unwrap();
     let name = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let table = |path: &str, out: &str| {
-        let (status, _, error) = run(&["path", "export", path, "-o", &name(out)]);
-        assert_eq!(status, Some(0), "{error}");
-        text(&folder.path().join(out))
+        export(path, &name(out));
+        let text = text(&folder.path().join(out));
+        let lines = text.lines().map(|line| serde_json::from_str(line).unwrap());
+        lines.collect::<Vec<Line>>()
     };
     let expected = table("paths/zoom.ron", "zoom.jsonl");
-    assert_eq!(expected.lines().count(), 55);
+    assert_eq!(expected.len(), 55);
     for (format, fps, tolerance) in [
         ("zoom.json", None, 1e-12),
         ("zoom.gltf", Some("24"), 1e-6),
@@ -45,28 +48,35 @@ fn paths_go_out_and_come_back() {
             "{said}"
         );
         let back = table(&path, "back.jsonl");
-        assert_eq!(back.lines().count(), 55);
-        for (a, b) in numbers(&expected).zip(numbers(&back)) {
-            // Quaternions may have either sign, fields of view are degrees.
-            let near = (a - b).abs().min((a + b).abs());
-            assert!(near < 60.0 * tolerance, "{format}: {a} {b}");
+        assert_eq!(back.len(), 55);
+        for (a, b) in expected.iter().zip(&back) {
+            assert_eq!(a.frame, b.frame);
+            assert!((a.time - b.time).abs() < tolerance);
+            assert!(a.position.abs_diff_eq(b.position, 4.0 * tolerance));
+            // Either sign is the same rotation.
+            let agrees = a.quaternion.dot(b.quaternion).abs();
+            assert!((agrees - 1.0).abs() < tolerance, "{format}: {a:?} {b:?}");
+            assert!((a.fov - b.fov).abs() < 60.0 * tolerance);
         }
     }
 }
 
+#[derive(Debug, Deserialize)]
+struct Line {
+    frame: u32,
+    time: f64,
+    position: DVec3,
+    quaternion: DVec4,
+    fov: f64,
+}
+
 fn export(path: &str, out: &str) {
-    let (status, _, error) = run(&["path", "export", path, "-o", out]);
+    let (status, _, error) = run(&["path", "export", path, "-o", out, "--force"]);
     assert_eq!(status, Some(0), "{error}");
 }
 
-/// All numbers of a text.
-fn numbers(text: &str) -> impl Iterator<Item = f64> + '_ {
-    let parts = text.split(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c)));
-    parts.filter_map(|part| part.parse().ok())
-}
-
 #[test]
-fn a_path_file_is_not_lost_to_an_import() {
+fn files_are_not_lost_to_an_import_or_export() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("path.ron");
     std::fs::write(&file, "by hand").unwrap();
@@ -74,10 +84,17 @@ fn a_path_file_is_not_lost_to_an_import() {
         "tests/reference/cameras/nerfstudio_loop.json",
         file.to_str().unwrap(),
     );
-    let (status, _, error) = run(&["path", "import", from, "-o", out]);
-    assert_eq!(status, Some(2));
-    assert!(error.contains("is there already"), "{error}");
-    assert_eq!(text(&file), "by hand");
+    let table = file.with_extension("jsonl");
+    std::fs::write(&table, "by hand").unwrap();
+    for (what, from, out) in [
+        ("import", from, &file),
+        ("export", "paths/zoom.ron", &table),
+    ] {
+        let (status, _, error) = run(&["path", what, from, "-o", out.to_str().unwrap()]);
+        assert_eq!(status, Some(2));
+        assert!(error.contains("is there already"), "{error}");
+        assert_eq!(text(out), "by hand");
+    }
     let (status, ..) = run(&["path", "import", from, "-o", out, "--force"]);
     assert_eq!(status, Some(0));
     assert!(text(&file).starts_with("// The camera of nerfstudio_loop.json"));

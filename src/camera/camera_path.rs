@@ -3,7 +3,7 @@ use super::keyframe::{Keyframe, Orientation, Pace, Segment, Shape, Speed};
 use super::look_at::Look;
 use super::ramp::Ramp;
 use super::rotation::{roll, yaw_pitch_roll};
-use super::track::{Course, Form, Place, Track};
+use super::track::{Place, Track};
 use super::value::Value;
 use super::walk::Walk;
 use super::{Camera, Timeline};
@@ -65,15 +65,10 @@ impl CameraPath {
         let segments: Vec<Segment> = keys.iter().map(|key| key.segment).collect();
         let segments = &segments[..keys.len() - 1];
         let position = |key: &Keyframe| key.position;
-        let given = segments.iter().map(|segment| match segment.shape {
-            Shape::Cubic(start, end) => course(segment, Form::Given([start, end])),
-            _ => own_course(segment),
-        });
-        let courses: Vec<Course<DVec3>> = given.collect();
         let positions = Track::new(
             &times,
             keys.iter().map(position).collect(),
-            &courses,
+            segments,
             pace.closed,
         );
         let walk = match pace.speed {
@@ -262,25 +257,9 @@ struct Tracks<'a> {
 
 impl Tracks<'_> {
     fn through<T: Value>(&self, keys: impl Iterator<Item = T>) -> Track<T> {
-        let courses: Vec<Course<T>> = self.segments.iter().map(own_course).collect();
-        Track::new(self.times, keys.collect(), &courses, self.closed)
-    }
-}
-
-/// How a value goes that has no derivatives given.
-fn own_course<T: Value>(segment: &Segment) -> Course<T> {
-    let form = match segment.shape {
-        Shape::Hold => Form::Held,
-        Shape::Linear => Form::Straight,
-        Shape::CatmullRom | Shape::Cubic(..) => Form::Smooth,
-    };
-    course(segment, form)
-}
-
-fn course<T: Value>(segment: &Segment, form: Form<T>) -> Course<T> {
-    Course {
-        form,
-        eased: [segment.ease_in, segment.ease_out],
+        let segments: Vec<Segment<T::Step>> =
+            self.segments.iter().map(Segment::beside_position).collect();
+        Track::new(self.times, keys.collect(), &segments, self.closed)
     }
 }
 

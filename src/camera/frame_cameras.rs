@@ -9,6 +9,8 @@ pub struct FrameCameras {
     pub start: f64,
     /// In the order of the frames, at least one.
     pub cameras: Vec<Camera>,
+    /// The frames after which the camera jumps to the next; rising.
+    pub cuts: Vec<usize>,
 }
 
 impl FrameCameras {
@@ -20,12 +22,13 @@ impl FrameCameras {
     /// Those of all frames of a path.
     pub fn of(path: &CameraPath) -> FrameCameras {
         let timeline = path.timeline();
+        let frames = 0..timeline.frame_count();
+        let cuts = frames.clone().filter(|frame| path.is_cut(*frame));
         FrameCameras {
             fps: timeline.fps,
             start: timeline.start,
-            cameras: (0..timeline.frame_count())
-                .map(|frame| path.camera(frame))
-                .collect(),
+            cuts: cuts.map(|frame| frame as usize).collect(),
+            cameras: frames.map(|frame| path.camera(frame)).collect(),
         }
     }
 }

@@ -34,11 +34,11 @@ pub enum Orientation {
     YawPitchRoll(DVec3),
 }
 
-/// The way from a key to the next.
+/// The way from a key to the next, whose derivatives are given by `D`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Segment {
+pub struct Segment<D = DVec3> {
     /// What it looks like.
-    pub shape: Shape,
+    pub shape: Shape<D>,
     /// Whether the camera starts from rest.
     pub ease_in: bool,
     /// Whether the camera comes to rest at its end.
@@ -47,7 +47,7 @@ pub struct Segment {
 
 /// What the way from a key to the next looks like.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape {
+pub enum Shape<D = DVec3> {
     /// There is none: the camera stays, and is at the next key at its time.
     Hold,
     /// Straight, at an even pace.
@@ -56,7 +56,7 @@ pub enum Shape {
     CatmullRom,
     /// The position goes along a cubic with given derivatives by the share of the way, at its start
     /// and its end, at a pace that is even in that share; all else goes as with `CatmullRom`.
-    Cubic(DVec3, DVec3),
+    Cubic(D, D),
 }
 
 /// How all of a path is walked.
@@ -99,6 +99,19 @@ impl Segment {
             shape,
             ease_in: false,
             ease_out: false,
+        }
+    }
+
+    /// How all but the position goes: derivatives are given of that alone.
+    pub(super) fn beside_position<D>(&self) -> Segment<D> {
+        Segment {
+            shape: match self.shape {
+                Shape::Hold => Shape::Hold,
+                Shape::Linear => Shape::Linear,
+                Shape::CatmullRom | Shape::Cubic(..) => Shape::CatmullRom,
+            },
+            ease_in: self.ease_in,
+            ease_out: self.ease_out,
         }
     }
 }

@@ -53,6 +53,14 @@ impl Camera {
         DQuat::from_mat3(&self.rotation)
     }
 
+    /// The rotation from this camera to another, in this one's coordinates: its axis, as long as its angle in radians,
+    /// at most half a turn.
+    pub fn turn_to(&self, other: &Camera) -> DVec3 {
+        rotation::log(DQuat::from_mat3(
+            &(self.rotation.transpose() * other.rotation),
+        ))
+    }
+
     /// Its vertical field of view in radians.
     pub fn field_of_view(&self) -> f64 {
         2.0 * libm::atan(self.half_height)

@@ -1,3 +1,4 @@
+use super::keyframe::{Segment, Shape};
 use super::value::{Value, weights};
 
 /// A value that changes from key to key: in each segment a cubic curve, and the pace at which it is walked.
@@ -23,32 +24,12 @@ pub(super) struct Piece<T: Value> {
     /// Derivatives by the share of the curve at its ends.
     derivatives: [T::Step; 2],
     /// Derivatives of the share of the curve by the share of the segment's time at its ends.
-    pace: [f64; 2],
-}
-
-/// What a segment of a track is to be.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Course<T: Value> {
-    pub(super) form: Form<T>,
-    /// Whether it starts from rest and comes to rest.
-    pub(super) eased: [bool; 2],
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Form<T: Value> {
-    /// The value of its start until its end.
-    Held,
-    /// The shortest way, at an even pace.
-    Straight,
-    /// Derivatives at its ends by its share.
-    Given([T::Step; 2]),
-    /// A Catmull-Rom curve.
-    Smooth,
+    rates: [f64; 2],
 }
 
 /// A segment between its keys, before its curve is known.
 struct Span<T: Value> {
-    course: Course<T>,
+    segment: Segment<T::Step>,
     step: T::Step,
     /// The square root of its length: what a smooth curve's parameter rises by.
     knot: f64,
@@ -56,21 +37,21 @@ struct Span<T: Value> {
 }
 
 impl<T: Value> Track<T> {
-    /// `times` rise strictly; there are as many keys, at least one, and a course for each segment between two. A
+    /// `times` rise strictly; there are as many keys, at least one, and a segment between each two. A
     /// closed track goes on at its first key where it ends, at its last.
     pub(super) fn new(
         times: &[f64],
         keys: Vec<T>,
-        courses: &[Course<T>],
+        segments: &[Segment<T::Step>],
         closed: bool,
     ) -> Track<T> {
         let ends = times.windows(2).zip(keys.windows(2));
         let spans: Vec<Span<T>> = ends
-            .zip(courses)
-            .map(|((time, key), &course)| {
+            .zip(segments)
+            .map(|((time, key), &segment)| {
                 let step = key[0].step_to(key[1]);
                 Span {
-                    course,
+                    segment,
                     step,
                     knot: T::length(step).sqrt(),
                     seconds: time[1] - time[0],
@@ -111,11 +92,11 @@ impl<T: Value> Span<T> {
     /// The derivative by the curve's share that it has at one of its ends, whatever is beside it; none if that
     /// depends.
     fn derivative(&self, end: usize) -> Option<T::Step> {
-        match self.course.form {
-            Form::Held => Some(self.step * 0.0),
-            Form::Straight => Some(self.step),
-            Form::Given(derivatives) => Some(derivatives[end]),
-            Form::Smooth => None,
+        match self.segment.shape {
+            Shape::Hold => Some(self.step * 0.0),
+            Shape::Linear => Some(self.step),
+            Shape::Cubic(start, arrival) => Some([start, arrival][end]),
+            Shape::CatmullRom => None,
         }
     }
 
@@ -150,10 +131,11 @@ impl<T: Value> Span<T> {
     /// How fast a smooth curve's knots are passed at an end, per second.
     fn rate(&self, end: usize, tangent: T::Step, beside: Option<&Span<T>>) -> f64 {
         let own = self.knot / self.seconds;
-        let Some(beside) = beside.filter(|beside| !matches!(beside.course.form, Form::Held)) else {
+        let Some(beside) = beside.filter(|beside| !matches!(beside.segment.shape, Shape::Hold))
+        else {
             return own;
         };
-        if beside.course.eased[1 - end] {
+        if beside.is_eased(1 - end) {
             return 0.0;
         }
         match beside.derivative(1 - end) {
@@ -182,12 +164,17 @@ impl<T: Value> Span<T> {
         }
     }
 
+    /// Whether it starts from rest, or comes to rest.
+    fn is_eased(&self, end: usize) -> bool {
+        [self.segment.ease_in, self.segment.ease_out][end]
+    }
+
     fn is_still(&self) -> bool {
-        match self.course.form {
-            Form::Held => true,
+        match self.segment.shape {
+            Shape::Hold => true,
             // It may lead back to where it starts.
-            Form::Given(_) => false,
-            Form::Straight | Form::Smooth => self.knot == 0.0,
+            Shape::Cubic(..) => false,
+            Shape::Linear | Shape::CatmullRom => self.knot == 0.0,
         }
     }
 }
@@ -201,8 +188,8 @@ impl<T: Value> Piece<T> {
     ) -> Piece<T> {
         let beside = [before, after];
         let end = |end: usize| {
-            let eased = span.course.eased[end];
-            let (derivative, pace) = match span.derivative(end) {
+            let eased = span.is_eased(end);
+            let (derivative, rate) = match span.derivative(end) {
                 Some(derivative) => (derivative, 1.0),
                 None if span.knot == 0.0 => (span.step, 1.0),
                 None => {
@@ -211,22 +198,22 @@ impl<T: Value> Piece<T> {
                     (tangent * span.knot, rate * span.seconds / span.knot)
                 }
             };
-            (derivative, if eased { 0.0 } else { pace })
+            (derivative, if eased { 0.0 } else { rate })
         };
-        let [(start_derivative, start_pace), (end_derivative, end_pace)] = [end(0), end(1)];
-        let is_held = matches!(span.course.form, Form::Held);
+        let [(start_derivative, start_rate), (end_derivative, end_rate)] = [end(0), end(1)];
+        let is_held = matches!(span.segment.shape, Shape::Hold);
         Piece {
             start,
             step: if is_held { span.step * 0.0 } else { span.step },
             derivatives: [start_derivative, end_derivative],
-            pace: [start_pace, end_pace],
+            rates: [start_rate, end_rate],
         }
     }
 
     /// The value at a share of the segment's time.
     fn at(&self, share: f64) -> T {
         let [whole, start, end] = weights(share);
-        self.at_share_of_curve(whole + self.pace[0] * start + self.pace[1] * end)
+        self.at_share_of_curve(whole + self.rates[0] * start + self.rates[1] * end)
     }
 
     /// The value at a share of the curve.

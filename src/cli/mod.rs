@@ -91,6 +91,15 @@ fn is_unread(error: &Failure) -> bool {
     error.is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
 }
 
+/// Refuses to write over a file, unless that is forced.
+fn keep(file: &Path, force: bool) -> Result<(), Failure> {
+    if file.exists() && !force {
+        let file = file.display();
+        return Err(format!("{file}: is there already; use another name, or --force").into());
+    }
+    Ok(())
+}
+
 /// That a file is written, or why it is not.
 fn written(file: &Path, result: io::Result<()>) -> Result<(), Failure> {
     result.map_err(|error| format!("{}: cannot be written: {error}", file.display()).into())

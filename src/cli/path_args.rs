@@ -78,6 +78,9 @@ pub(super) struct ExportArguments {
     /// File to write: .json, .gltf, .glb or .jsonl
     #[arg(short, long, value_name = "FILE")]
     pub(super) out: PathBuf,
+    /// Replace a file that is there already
+    #[arg(long)]
+    pub(super) force: bool,
     /// Columns and rows of the frames, for formats that say them [default: the path's, or 1280x720]
     #[arg(short, long, value_name = "WxH", value_parser = parse_size)]
     pub(super) size: Option<(u32, u32)>,

@@ -1,10 +1,11 @@
 use super::path_args::ExportArguments;
-use super::{Failure, Status, written};
+use super::{Failure, Status, keep, written};
 use crate::camera::FrameCameras;
 use crate::input::{InputFiles, Settings, load_camera_path};
 use crate::output::{GltfContainer, camera_table, gltf_file, nerfstudio_json, write_whole};
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
+    keep(&arguments.out, arguments.force)?;
     let input = load_camera_path(&arguments.path, &mut InputFiles::default())?;
     let flags = Settings {
         size: arguments.size,

@@ -1,15 +1,12 @@
 use super::path_args::ImportArguments;
-use super::{Failure, Status, written};
+use super::{Failure, Status, keep, written};
 use crate::input::{import_cameras, parse_camera_path};
 use crate::output::{camera_path_file, write_whole};
 use std::io::Write;
 
 pub(super) fn run(arguments: &ImportArguments) -> Result<Status, Failure> {
     let out = &arguments.out;
-    if out.exists() && !arguments.force {
-        let out = out.display();
-        return Err(format!("{out}: is there already; use another name, or --force").into());
-    }
+    keep(out, arguments.force)?;
     let import = import_cameras(&arguments.file, arguments.fps, arguments.camera.as_deref())?;
     let name = arguments.file.file_name().unwrap_or_default();
     let from = format!(

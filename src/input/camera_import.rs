@@ -4,7 +4,8 @@ use super::files::InputFiles;
 use super::gltf_essence::MAGIC;
 use super::{gltf_file, json_file, nerfstudio};
 use crate::camera::FrameCameras;
-use serde_json::Value;
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 use std::path::Path;
 
 /// What is imported from other programs.
@@ -14,6 +15,15 @@ pub struct CameraImport {
     pub frames: FrameCameras,
     /// Columns and rows of its pictures, if it says so.
     pub size: Option<(u32, u32)>,
+}
+
+/// What tells files apart.
+#[derive(Default, Deserialize)]
+struct Keys {
+    /// Of nerfstudio.
+    camera_path: Option<IgnoredAny>,
+    /// Of glTF.
+    asset: Option<IgnoredAny>,
 }
 
 /// Frames per second of files that do not say how many.
@@ -30,12 +40,11 @@ pub fn import_cameras(
     let check = Checker { file };
     let bytes = InputFiles::default().read(file)?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-    let json: Option<Value> = match bytes.trim_ascii_start().first() {
-        Some(b'{') => Some(json_file::parse(file, bytes)?),
-        _ => None,
+    let keys = match bytes.trim_ascii_start().first() {
+        Some(b'{') => json_file::parse(file, bytes)?,
+        _ => Keys::default(),
     };
-    let has = |key: &str| json.as_ref().is_some_and(|json| json.get(key).is_some());
-    if has("camera_path") {
+    if keys.camera_path.is_some() {
         if fps.is_some() || camera.is_some() {
             let message = "has its own frames, and one camera: leave --fps and --camera out";
             return check.refuse("camera_path", message);
@@ -43,7 +52,7 @@ pub fn import_cameras(
         let (frames, size) = nerfstudio::parse(file, bytes)?;
         return Ok(CameraImport { frames, size });
     }
-    if bytes.starts_with(MAGIC) || has("asset") {
+    if bytes.starts_with(MAGIC) || keys.asset.is_some() {
         let fps = check.positive("--fps", fps.unwrap_or(FPS))?;
         let frames = gltf_file::parse(file, bytes, fps, camera)?;
         return Ok(CameraImport { frames, size: None });

@@ -173,7 +173,9 @@ fn orientation(
     ) {
         (Some(point), None, None, None) => Ok(Orientation::LookAt {
             target: check.vector(&name("look_at"), point)?,
-            roll: radians("roll", (key.roll.unwrap_or(0.0), 0.0, 0.0))?.x,
+            roll: check
+                .range(&name("roll"), key.roll.unwrap_or(0.0), -LARGEST, LARGEST)?
+                .to_radians(),
         }),
         (None, Some(angles), None, None) => {
             let rotation = rotation_xyz(radians("rotation", angles)?);
@@ -234,6 +236,15 @@ fn segments(
                 return check.refuse(&name(field), message);
             }
         }
+    }
+    let ends = (files.first(), files.last());
+    if let (true, (Some(first), Some(end))) = (parsed.closed, ends)
+        && first.velocity.is_some()
+        && end.velocity.is_some()
+        && first.velocity != end.velocity
+    {
+        let message = "is not that of keyframes[0], where a closed path goes on";
+        return check.refuse(&format!("keyframes[{last}].velocity"), message);
     }
     for i in 0..last {
         keys[i].segment = segment(check, interpolation(i), i, files, keys)?;

@@ -67,19 +67,21 @@ impl<'a> GltfBuffers<'a> {
         let offset = view.offset().saturating_add(accessor.offset());
         let count = accessor.count();
         let bytes = self.buffer(&view.buffer())?;
-        let element = |i: usize| -> Option<DVec4> {
+        let bytes_of = |i: usize| {
             let start = i.checked_mul(stride)?.checked_add(offset)?;
-            let bytes = bytes.get(start..start.checked_add(size * components)?)?;
+            bytes.get(start..start.checked_add(size * components)?)
+        };
+        // Before all are listed: how many there are is only said.
+        if count == 0 || bytes_of(count - 1).is_none() {
+            return self.refuse(name, "is empty or goes beyond its buffer");
+        }
+        let element = |i: usize| -> Option<DVec4> {
             let mut element = DVec4::ZERO;
-            for (i, bytes) in bytes.chunks_exact(size).enumerate() {
+            for (i, bytes) in bytes_of(i)?.chunks_exact(size).enumerate() {
                 element[i] = number(bytes);
             }
             Some(element).filter(|element| element.abs().max_element() <= LARGEST)
         };
-        // Before all are listed: how many there are is only said.
-        if count == 0 || element(count - 1).is_none() {
-            return self.refuse(name, "is empty or goes beyond its buffer");
-        }
         match (0..count).map(element).collect() {
             Some(elements) => Ok(elements),
             None => self.refuse(name, "has what is not a finite number"),

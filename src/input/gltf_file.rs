@@ -76,7 +76,8 @@ pub(super) fn parse(
 
     let moving = links.iter().flat_map(|link| &link.parts);
     let moving = moving.filter_map(|(_, sampler)| sampler.as_ref());
-    let spans = moving.chain(&zoom).map(GltfSampler::span);
+    let samplers = moving.chain(&zoom);
+    let spans = samplers.clone().map(GltfSampler::span);
     let span = spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
     let [start, end] = span.unwrap_or([0.0, 0.0]);
     if (end - start) * fps > f64::from(MOST_FRAMES) {
@@ -94,12 +95,18 @@ pub(super) fn parse(
             .fold(DMat4::IDENTITY, |place, link| place * link.at(time));
         camera_of(check, place, fov, time)
     };
+    let samplers: Vec<&GltfSampler> = samplers.collect();
+    let is_cut = |frame: &u32| {
+        let [time, next] = [*frame, frame + 1].map(|frame| timeline.time_of(frame));
+        samplers.iter().any(|sampler| sampler.jumps(time, next))
+    };
+    let count = timeline.frame_count();
+    let cuts = (0..count - 1).filter(is_cut);
     Ok(FrameCameras {
         fps,
         start: timeline.start,
-        cameras: (0..timeline.frame_count())
-            .map(frame)
-            .collect::<Result<_, _>>()?,
+        cuts: cuts.map(|frame| frame as usize).collect(),
+        cameras: (0..count).map(frame).collect::<Result<_, _>>()?,
     })
 }
 

@@ -60,12 +60,29 @@ impl GltfSampler {
         [self.times[0], self.times[self.times.len() - 1]]
     }
 
+    /// Whether the value jumps after one time and until another, in seconds, where it has stood still for longer than
+    /// from one to the other.
+    pub(super) fn jumps(&self, time: f64, next: f64) -> bool {
+        let [Some(here), Some(after)] = [time, next].map(|time| self.key_before(time)) else {
+            return false;
+        };
+        self.interpolation == Interpolation::Step
+            && self.value(here) != self.value(after)
+            && self.times[here + 1] - self.times[here] > 1.5 * (next - time)
+    }
+
+    /// The last key that is not after a time.
+    fn key_before(&self, time: f64) -> Option<usize> {
+        let after = self.times.partition_point(|&t| t <= time + rounding(time));
+        after.checked_sub(1)
+    }
+
     /// The value at a time in seconds; before the first key and after the last, theirs.
     pub(super) fn at(&self, time: f64) -> DVec4 {
-        let after = self.times.partition_point(|&t| t <= time + rounding(time));
-        let Some(key) = after.checked_sub(1) else {
+        let Some(key) = self.key_before(time) else {
             return self.value(0);
         };
+        let after = key + 1;
         let is_on_key = (time - self.times[key]).abs() <= rounding(time);
         if is_on_key || after == self.times.len() || self.interpolation == Interpolation::Step {
             return self.value(key);

@@ -24,8 +24,13 @@ pub fn camera_path_file(cameras: &FrameCameras, size: Option<(u32, u32)>, from: 
         let fov = camera.field_of_view().to_degrees();
         // Half a turn has no short way, and from a frame to the next it is a cut.
         let next = cameras.cameras.get(frame + 1);
-        let is_cut = next.is_some_and(|next| quaternion.dot(next.quaternion()).abs() < 1e-6);
-        let hold = if is_cut { ", interpolation: hold" } else { "" };
+        let is_half_turn = next.is_some_and(|next| quaternion.dot(next.quaternion()).abs() < 1e-6);
+        let is_cut = cameras.cuts.binary_search(&frame).is_ok();
+        let hold = if is_cut || is_half_turn {
+            ", interpolation: hold"
+        } else {
+            ""
+        };
         let _ = writeln!(
             text,
             "        (time: {time}, position: ({x}, {y}, {z}), quaternion: ({a}, {b}, {c}, {d}), \

@@ -3,6 +3,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use glam::DQuat;
 use serde_json::{Value, json};
+use thiserror::Error;
 
 /// How a glTF file holds its numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +14,26 @@ pub enum GltfContainer {
     Binary,
 }
 
+/// Times may be rounded by so much of a frame.
+const MOST_ROUNDING: f64 = 0.02;
+
+/// Why cameras do not make a glTF file.
+#[derive(Debug, Error)]
+pub enum GltfError {
+    /// The times of frames that follow each other would not be told apart, or be uneven.
+    #[error(
+        "frames up to {end} s are too many for glTF, which keeps times in single precision: begin the path at 0 s, \
+         or export a part of it"
+    )]
+    Times {
+        /// When the last frame is shown, in seconds.
+        end: f64,
+    },
+    /// The text cannot be written.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+}
+
 /// The bytes of a glTF file of an animated camera with a key for each frame, between which it is linear; `aspect` is
 /// its columns by its rows. Numbers are in single precision, as always in glTF. A field of view that changes is
 /// animated by KHR_animation_pointer; programs that do not know it see the first.
@@ -20,9 +41,14 @@ pub fn gltf_file(
     cameras: &FrameCameras,
     aspect: f64,
     container: GltfContainer,
-) -> serde_json::Result<Vec<u8>> {
+) -> Result<Vec<u8>, GltfError> {
     let mut data = Data::default();
     let count = cameras.cameras.len();
+    let end = cameras.time_of(count - 1);
+    let rounding = 0.5 * f64::from(f32::EPSILON) * end.abs().max(cameras.start.abs());
+    if rounding * cameras.fps > MOST_ROUNDING {
+        return Err(GltfError::Times { end });
+    }
     let times = (0..count).map(|frame| cameras.time_of(frame) as f32);
     let times: Vec<f32> = times.collect();
     let range = json!({"min": [times[0]], "max": [times[count - 1]]});
@@ -85,7 +111,7 @@ pub fn gltf_file(
             let encoded = BASE64_STANDARD.encode(&data.bytes);
             let uri = format!("data:application/octet-stream;base64,{encoded}");
             gltf["buffers"][0]["uri"] = uri.into();
-            serde_json::to_vec_pretty(&gltf)
+            Ok(serde_json::to_vec_pretty(&gltf)?)
         }
         GltfContainer::Binary => Ok(binary(serde_json::to_vec(&gltf)?, data.bytes)),
     }

@@ -27,7 +27,7 @@ pub use exr_file::{decode as decode_exr, encode as encode_exr, note as note_of_e
 pub use fault::Fault;
 pub use folder::{FolderError, FrameFolder, Place};
 pub use format::FrameFormat;
-pub use gltf_file::{GltfContainer, gltf_file};
+pub use gltf_file::{GltfContainer, GltfError, gltf_file};
 pub use light_file::{LightFile, LightFileError};
 pub use manifest::Manifest;
 pub use nerfstudio::nerfstudio_json;

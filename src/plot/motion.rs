@@ -1,5 +1,5 @@
 use crate::camera::{Camera, CameraPath, Timeline};
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 use std::ops::Range;
 
 /// What a camera does along its path, frame by frame.
@@ -84,11 +84,9 @@ impl Motion {
 
     /// As [`Motion::speeds`], degrees per second by which the camera turns.
     pub(super) fn turn_rates(&self, shot: &Range<u32>) -> Vec<(f64, f64)> {
-        let turns = self.steps(shot).map(|(a, b)| {
-            let turn = DQuat::from_mat3(&(a.rotation.transpose() * b.rotation));
-            let half = libm::atan2(turn.xyz().length(), turn.w.abs());
-            (2.0 * half).to_degrees()
-        });
+        let turns = self
+            .steps(shot)
+            .map(|(a, b)| a.turn_to(b).length().to_degrees());
         self.rates(shot, turns)
     }
 
@@ -118,6 +116,7 @@ impl Motion {
 mod tests {
     use super::*;
     use crate::camera::{Keyframe, Orientation, Pace, Segment, Shape};
+    use glam::DQuat;
 
     fn path(seconds: f64, turn: f64) -> CameraPath {
         let key = |time: f64, x: f64, degrees: f64| Keyframe {

@@ -3,8 +3,7 @@
 use super::finding::Measured;
 use super::flight::Flight;
 use super::{Finding, Oddity};
-use crate::camera::Camera;
-use glam::{DQuat, DVec3};
+use glam::DVec3;
 
 /// A step so many times as long as the median is odd: ways in and out of rest and around corners make them
 /// differ by half as much.
@@ -34,7 +33,7 @@ pub(super) fn find(flight: &Flight, height: u32) -> Vec<Finding> {
     });
     let fps = flight.fps;
     let steps = flight.steps(|from, to| to.position - from.position);
-    let turns = flight.steps(turn);
+    let turns = flight.steps(|from, to| from.rotation * from.turn_to(to));
     let mut findings = Vec::new();
     if let Some(usual) = usual(&steps, ROUNDING * size) {
         let length = |(frame, step): (usize, &Option<DVec3>)| Some((frame, (*step)?.length()));
@@ -76,11 +75,6 @@ pub(super) fn find(flight: &Flight, height: u32) -> Vec<Finding> {
         }));
     }
     findings
-}
-
-/// The rotation from one camera to another: its axis, as long as the angle in radians.
-fn turn(from: &Camera, to: &Camera) -> DVec3 {
-    DQuat::from_mat3(&(to.rotation * from.rotation.transpose())).to_scaled_axis()
 }
 
 /// The median length of the steps that are longer than `least`; none if there are none.

@@ -79,10 +79,8 @@ fn turn_jump(pace: &Pace) -> f64 {
     const FPS: f64 = 240_000.0;
     let path = CameraPath::new(FPS, &keys(), pace).unwrap();
     let turn = |from: u32, to: u32| {
-        let [from, to] = [from, to].map(|frame| path.camera(frame).rotation);
-        let turned = DQuat::from_mat3(&(to * from.transpose()));
-        let turned = if turned.w < 0.0 { -turned } else { turned };
-        turned.to_scaled_axis()
+        let [from, to] = [from, to].map(|frame| path.camera(frame));
+        from.rotation * from.turn_to(&to)
     };
     let count = path.timeline().frame_count();
     let turns = (0..count - 100)

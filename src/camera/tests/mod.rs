@@ -66,12 +66,6 @@ fn ratio(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, f64::max) / least
 }
 
-/// The angle between two cameras, in radians.
-fn turn(a: &Camera, b: &Camera) -> f64 {
-    let turned = DQuat::from_mat3(&(a.rotation.transpose() * b.rotation));
-    2.0 * turned.xyz().length().min(1.0).asin()
-}
-
 fn rotation(random: &mut Random) -> DQuat {
     let axis = random.point().normalize();
     DQuat::from_axis_angle(axis, PI * f64::from(random.unit()))

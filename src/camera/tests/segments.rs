@@ -91,7 +91,7 @@ fn a_closed_path_has_no_seam() {
             after.position - seam.position,
         ];
         assert!((steps[1] - steps[0]).length() < 0.05 * steps[0].length());
-        let turns = [turn(&before, &seam), turn(&seam, &after)];
+        let turns = [before.turn_to(&seam), seam.turn_to(&after)].map(DVec3::length);
         assert!((turns[1] - turns[0]).abs() < 0.05 * turns[0]);
     }
     let keys: Vec<Keyframe> = uneven();

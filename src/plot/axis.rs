@@ -14,8 +14,9 @@ pub(super) fn round_step(at_least: f64) -> u32 {
 
 /// A number at an axis that spans so much, short, but not that of another mark.
 pub(super) fn label(value: f64, span: f64) -> String {
-    if value.abs() >= 1e9 {
-        return format!("{value:e}");
+    // There is no room for more digits.
+    if value.abs() >= 1e7 {
+        return format!("{value:.3e}");
     }
     let digits = (1.0 - span.log10()).ceil().clamp(0.0, 9.0) as usize;
     let text = format!("{value:.digits$}");
@@ -29,14 +30,18 @@ pub(super) fn label(value: f64, span: f64) -> String {
     }
 }
 
-/// Rising numbers as `0, 3–5`.
+/// Rising numbers as `0, 3–5`; if that is long, the first and the last as `0 … 9`.
 pub(super) fn ranges(numbers: &[usize]) -> String {
     let runs = numbers.chunk_by(|a, b| a + 1 == *b);
     let runs = runs.map(|run| match *run {
         [.., last] if run.len() > 1 => format!("{}–{last}", run[0]),
         _ => run[0].to_string(),
     });
-    runs.collect::<Vec<_>>().join(", ")
+    let runs: Vec<String> = runs.collect();
+    match numbers {
+        [first, .., last] if runs.len() > 3 => format!("{first} … {last}"),
+        _ => runs.join(", "),
+    }
 }
 
 #[cfg(test)]
@@ -67,7 +72,7 @@ mod tests {
             (2.0, 4.0, "2"),
             (1_000_000.5, 2.0, "1000000.5"),
             (0.002, 0.01, "0.002"),
-            (2e12, 1e12, "2e12"),
+            (-2e12, 1e12, "-2.000e12"),
         ] {
             assert_eq!(label(value, span), expected);
         }
@@ -77,5 +82,6 @@ mod tests {
     fn numbers_in_a_row_are_ranges() {
         assert_eq!(ranges(&[0]), "0");
         assert_eq!(ranges(&[0, 3, 4, 5, 9]), "0, 3–5, 9");
+        assert_eq!(ranges(&[0, 3, 5, 9]), "0 … 9");
     }
 }

@@ -1,7 +1,7 @@
 use super::axis::label;
 use super::layout::{Cell, px};
 use super::motion::Motion;
-use super::overlay::draw_key;
+use super::overlay::{draw_key, key_size};
 use super::panel::part;
 use super::{Area, Drawn};
 use crate::chart::{COLORS, FONT};
@@ -18,8 +18,8 @@ const BELOW: u32 = 42;
 /// Of more points than this those are left out that others hide.
 const POINTS: usize = 3000;
 
-/// Keys stand no nearer to each other, in pixels.
-const KEY_DISTANCE: u32 = 24;
+/// There is so much room between keys, in pixels.
+const KEY_DISTANCE: u32 = 4;
 
 /// Seconds and values.
 type Line = Vec<(f64, f64)>;
@@ -93,17 +93,23 @@ fn times(motion: &Motion) -> Range<f64> {
     }
 }
 
-/// Draws numbered squares at the times of keys, above the charts.
+/// Draws numbered squares at the times of keys, above the charts: of the first, of the last and of those between for
+/// which there is room.
 fn draw_keys(motion: &Motion, keys: &[(usize, u32)], place: &Cell, sheet: &Area) -> Drawn {
     let (times, last) = (times(motion), motion.keys.len() - 1);
     let width = f64::from(px(place.width - LEFT - RIGHT));
-    let mut free = 0;
-    for &(key, _) in keys {
+    let at = |key: usize| {
         let share = (motion.keys[key] - times.start) / (times.end - times.start);
         let x = px(place.x + LEFT) as i32 + (share * width) as i32;
-        if x >= free {
-            draw_key((x, px(place.y + KEYS / 2) as i32), &[key], last, sheet)?;
-            free = x + px(KEY_DISTANCE) as i32;
+        (x, px(place.y + KEYS / 2) as i32)
+    };
+    let half = |key: usize| key_size(&[key]).0 + px(KEY_DISTANCE) as i32 / 2;
+    let mut free = i32::MIN;
+    for &(key, _) in keys {
+        let (from, to) = (at(key).0 - half(key), at(key).0 + half(key));
+        if key == last || from >= free && to <= at(last).0 - half(last) {
+            draw_key(at(key), &[key], last, sheet)?;
+            free = to;
         }
     }
     Ok(())

@@ -60,11 +60,16 @@ impl Labels {
             middle: (what.0 + x, what.1 + y),
             half,
         });
-        let free = places.find(|place| {
-            self.holds(place) && !self.taken.iter().any(|taken| taken.meets(place))
-        })?;
+        let free =
+            places.find(|place| self.holds(place) && self.is_free(place.middle, place.half))?;
         self.taken.push(free);
         Some(free.middle)
+    }
+
+    /// Whether a place meets none that is kept.
+    pub(super) fn is_free(&self, middle: Place, half: Place) -> bool {
+        let place = Taken { middle, half };
+        !self.taken.iter().any(|taken| taken.meets(&place))
     }
 
     fn holds(&self, place: &Taken) -> bool {

@@ -9,7 +9,6 @@ use crate::chart::{COLORS, FONT};
 use glam::DVec3;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use std::error::Error;
 
 pub(super) const LINE: RGBColor = COLORS[0];
 pub(super) const SIGHT: RGBColor = COLORS[5];
@@ -124,7 +123,8 @@ impl Marks {
         ]
     }
 
-    /// A numbered square for each key, or for all that are at one place, and where the path starts and ends.
+    /// A numbered square for each key, or for all that are at one place, and where the path starts and ends. Where
+    /// there is no room for the number the square is small.
     fn draw_keys(
         &self,
         motion: &Motion,
@@ -143,8 +143,24 @@ impl Marks {
             }
         }
         let last = motion.keys.len() - 1;
-        for (at, keys) in &groups {
-            labels.take(*at, draw_key(*at, keys, last, sheet)?);
+        let is_end = |keys: &[usize]| keys.contains(&0) || keys.contains(&last);
+        groups.sort_by_key(|(_, keys)| !is_end(keys));
+        let mut numbered = Labels::within(panel.corners());
+        let (numbered, small): (Vec<_>, Vec<_>) = groups.iter().partition(|(at, keys)| {
+            let half = key_size(keys);
+            let has_room = numbered.is_free(*at, half);
+            if has_room {
+                numbered.take(*at, half);
+            }
+            has_room
+        });
+        for (at, keys) in small {
+            let half = px(4) as i32;
+            draw_square(*at, (half, half), key_color(keys, last), sheet)?;
+        }
+        for (at, keys) in &numbered {
+            draw_key(*at, keys, last, sheet)?;
+            labels.take(*at, key_size(keys));
         }
         for (at, keys) in &groups {
             let name = match (keys.contains(&0), keys.contains(&last)) {
@@ -184,28 +200,32 @@ fn draw_sight(&[eye, ref corners @ ..]: &[Place; 5], sheet: &Area) -> Drawn {
     Ok(())
 }
 
-/// Draws a square with the numbers of keys around a place; returns half of its size. `last` is the last key.
-pub(super) fn draw_key(
-    at: Place,
-    keys: &[usize],
-    last: usize,
-    sheet: &Area,
-) -> Result<Place, Box<dyn Error>> {
-    let text = ranges(keys);
-    let (width, _) = half_size(&text, 14);
-    let half = (width.max(px(4) as i32) + px(4) as i32, px(8) as i32);
+/// Half of the size of a square with the numbers of keys.
+pub(super) fn key_size(keys: &[usize]) -> Place {
+    let (width, _) = half_size(&ranges(keys), 14);
+    (width.max(px(4) as i32) + px(4) as i32, px(8) as i32)
+}
+
+/// Draws a square with the numbers of keys around a place. `last` is the last key.
+pub(super) fn draw_key(at: Place, keys: &[usize], last: usize, sheet: &Area) -> Drawn {
+    draw_square(at, key_size(keys), key_color(keys, last), sheet)?;
+    write(sheet, at, &ranges(keys), 14, &WHITE)
+}
+
+fn draw_square(at: Place, half: Place, color: RGBColor, sheet: &Area) -> Drawn {
     let corners = [
         (at.0 - half.0, at.1 - half.1),
         (at.0 + half.0, at.1 + half.1),
     ];
-    let color = match (keys.contains(&0), keys.contains(&last)) {
+    Ok(sheet.draw(&Rectangle::new(corners, color.filled()))?)
+}
+
+fn key_color(keys: &[usize], last: usize) -> RGBColor {
+    match (keys.contains(&0), keys.contains(&last)) {
         (true, _) => START,
         (_, true) => END,
         _ => LINE,
-    };
-    sheet.draw(&Rectangle::new(corners, color.filled()))?;
-    write(sheet, at, &text, 14, &WHITE)?;
-    Ok(half)
+    }
 }
 
 /// All keys, or some of them, with the first and the last.

@@ -125,9 +125,13 @@ impl<'a> Sheet<'a> {
         let timeline = &self.motion.timeline;
         let frames = timeline.frame_count();
         let (seconds, metres) = (timeline.end - timeline.start, self.motion.length());
+        // There is room for so many letters beside the rest.
+        let title = match self.title.char_indices().nth(60) {
+            Some((end, _)) => format!("{}…", &self.title[..end]),
+            None => self.title.to_owned(),
+        };
         let summary = format!(
-            "{}: {frames} {} at {} per second, {} s, {} m",
-            self.title,
+            "{title}: {frames} {} at {} per second, {} s, {} m",
             if frames == 1 { "frame" } else { "frames" },
             label(timeline.fps, 0.01),
             label(seconds, 0.1),

@@ -54,6 +54,10 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         folder.prepare()?;
     }
     if !missing.is_empty() {
+        if arguments.preview {
+            // It shows other frames, if this is interrupted.
+            let _ = std::fs::remove_file(folder.sheet());
+        }
         job.bake(arguments.quiet)?;
     }
     if arguments.prepare == Some(PrepareArgument::Light) {

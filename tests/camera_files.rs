@@ -200,6 +200,13 @@ fn steps_are_cuts() {
         let smooth = import_cameras(&reference(name), None, None).unwrap();
         assert!(smooth.frames.cuts.is_empty(), "{name}");
     }
+    // What is stepped 24 times a second is a motion that stutters.
+    let path = FrameCameras::of(&shipped_path("zoom.ron"));
+    let text = gltf_file(&path, 1.0, GltfContainer::Text).unwrap();
+    let stepped = String::from_utf8(text).unwrap().replace("LINEAR", "STEP");
+    for fps in [24.0, 60.0] {
+        assert!(imported(stepped.as_bytes(), Some(fps)).cuts.is_empty());
+    }
 }
 
 /// In single precision frames that late are not told apart.

@@ -15,6 +15,9 @@ pub(super) struct GltfSampler {
     is_rotation: bool,
 }
 
+/// Values that differ by less are the same but for rounding.
+const SAME: f64 = 1e-6;
+
 /// So near to a key in seconds is on it: times are in single precision.
 fn rounding(time: f64) -> f64 {
     1e-6 + f64::from(f32::EPSILON) * time.abs()
@@ -60,15 +63,18 @@ impl GltfSampler {
         [self.times[0], self.times[self.times.len() - 1]]
     }
 
-    /// Whether the value jumps after one time and until another, in seconds, where it has stood still for longer than
-    /// from one to the other.
+    /// Whether the value jumps after one time and until another, in seconds, where it has stood still for as long as a
+    /// shot lasts: what is shorter stutters.
     pub(super) fn jumps(&self, time: f64, next: f64) -> bool {
+        const SHORTEST_SHOT: f64 = 0.2;
         let [Some(here), Some(after)] = [time, next].map(|time| self.key_before(time)) else {
             return false;
         };
+        let (from, to) = (self.value(here), self.value(after));
+        let is_same = from.abs_diff_eq(to, SAME) || self.is_rotation && from.abs_diff_eq(-to, SAME);
         self.interpolation == Interpolation::Step
-            && self.value(here) != self.value(after)
-            && self.times[here + 1] - self.times[here] > 1.5 * (next - time)
+            && !is_same
+            && self.times[here + 1] - self.times[here] > SHORTEST_SHOT
     }
 
     /// The last key that is not after a time.

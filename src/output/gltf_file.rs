@@ -22,8 +22,8 @@ const MOST_ROUNDING: f64 = 0.02;
 pub enum GltfError {
     /// The times of frames that follow each other would not be told apart, or be uneven.
     #[error(
-        "frames up to {end} s are too many for glTF, which keeps times in single precision: begin the path at 0 s, \
-         or export a part of it"
+        "glTF keeps times in single precision, which cannot tell frames near {end} s apart: begin the path at 0 s, \
+         or export .json or .jsonl"
     )]
     Times {
         /// When the last frame is shown, in seconds.
@@ -46,7 +46,7 @@ pub fn gltf_file(
     let count = cameras.cameras.len();
     let end = cameras.time_of(count - 1);
     let rounding = 0.5 * f64::from(f32::EPSILON) * end.abs().max(cameras.start.abs());
-    if rounding * cameras.fps > MOST_ROUNDING {
+    if count > 1 && rounding * cameras.fps > MOST_ROUNDING {
         return Err(GltfError::Times { end });
     }
     let times = (0..count).map(|frame| cameras.time_of(frame) as f32);

@@ -12,7 +12,7 @@ pub(super) fn round_step(at_least: f64) -> u32 {
     }
 }
 
-/// A number at an axis that spans so much, short, but not that of another mark.
+/// A number at an axis that spans so much, short, but not that of another mark as long as seven digits tell.
 pub(super) fn label(value: f64, span: f64) -> String {
     // There is no room for more digits.
     if value.abs() >= 1e7 {

@@ -225,7 +225,9 @@ mod tests {
         assert!(!is_inside(&scene(vec![], &[sky, ball])));
         let ground = cuboid(DVec3::new(-50.0, -1.0, -50.0), DVec3::new(50.0, -0.1, 50.0));
         let house = inverted(hall());
-        assert!(!is_inside(&scene(vec![ground, house], &[])));
+        assert!(!is_inside(&scene(vec![ground.clone(), house.clone()], &[])));
+        let sky = inverted(cuboid(DVec3::splat(-99.0), DVec3::splat(99.0)));
+        assert!(!is_inside(&scene(vec![ground, house, sky], &[])));
     }
 
     #[test]

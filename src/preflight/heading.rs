@@ -4,7 +4,7 @@ use super::finding::Measured;
 use super::flight::Flight;
 use super::{Finding, Oddity};
 use crate::camera::{Camera, Steering};
-use glam::Vec3Swizzles;
+use glam::DVec3;
 use std::f64::consts::PI;
 
 /// A heading that turns faster spins, in radians per second.
@@ -18,16 +18,17 @@ const MORE: f64 = 11.0;
 const LEVEL: f64 = 1e-6;
 
 pub(super) fn find(flight: &Flight) -> Vec<Finding> {
-    let keeps_up = |camera: &Camera| match flight.steering {
-        Steering::Points => true,
+    // The right of a camera without roll, whose picture is level.
+    let right = |camera: &Camera| match flight.steering {
+        Steering::Points => Some(DVec3::Y.cross(camera.rotation.z_axis)),
         // The path itself says how the picture turns.
-        Steering::Angles => false,
-        Steering::Rotations => camera.rotation.x_axis.y.abs() < LEVEL,
+        Steering::Angles => None,
+        Steering::Rotations => Some(camera.rotation.x_axis).filter(|right| right.y.abs() < LEVEL),
     };
-    let least = LEAST_TURN / flight.fps;
     let turns = flight.steps(|from, to| {
-        let spin = heading_turn(from, to).filter(|turn| *turn > least);
-        spin.filter(|_| keeps_up(from) && keeps_up(to))
+        let heading = right(from)?.angle_between(right(to)?);
+        let view = from.rotation.z_axis.angle_between(to.rotation.z_axis);
+        (heading > LEAST_TURN / flight.fps && heading > MORE * view).then_some(heading)
     });
     let found: Vec<Measured> = (turns.into_iter().enumerate())
         .filter_map(|(frame, turn)| Some((frame, turn??)))
@@ -45,20 +46,12 @@ pub(super) fn find(flight: &Flight) -> Vec<Finding> {
     finding.into_iter().collect()
 }
 
-/// How far the compass direction turns in which cameras look, in radians, where that is much farther than the view
-/// turns.
-fn heading_turn(from: &Camera, to: &Camera) -> Option<f64> {
-    let [before, after] = [from, to].map(|camera| camera.rotation.z_axis);
-    let heading = before.xz().angle_to(after.xz()).abs();
-    (heading > MORE * before.angle_between(after)).then_some(heading)
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::stage::{FPS, flight, path, still};
     use super::*;
     use crate::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
-    use glam::{DMat3, DVec3};
+    use glam::DMat3;
 
     /// Past a point 3 m below, so many metres beside it.
     fn fly_over(beside: f64) -> Vec<Finding> {
@@ -132,10 +125,12 @@ mod tests {
         };
         assert_eq!(find(&flight((0..20).map(pan).collect())), []);
         // Loops the loop.
-        let turned = |i: u32| Camera {
-            rotation: DMat3::from_rotation_x(-0.3 * f64::from(i)),
-            ..still(DVec3::ZERO, DVec3::X)
-        };
-        assert_eq!(find(&flight((0..20).map(turned).collect())), []);
+        for step in [0.02, 0.3] {
+            let turned = |i: u32| Camera {
+                rotation: DMat3::from_rotation_x(-step * f64::from(i)),
+                ..still(DVec3::ZERO, DVec3::X)
+            };
+            assert_eq!(find(&flight((0..400).map(turned).collect())), []);
+        }
     }
 }

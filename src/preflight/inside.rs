@@ -17,8 +17,11 @@ const DIRECTIONS: usize = 8;
 /// at their feet.
 const NEARLY_ALL: f64 = 0.8;
 
-/// So many of all directions are most of them: more than a landscape around a house fills.
+/// So many of all directions are most of them.
 const MOST: f64 = 0.65;
+
+/// Nobody means to walk with so little room, in metres: a house's walls may face outward, and a sky around it inward.
+const NARROW: f64 = 1.0;
 
 /// What there is all around a camera.
 pub(super) struct Sight {
@@ -100,7 +103,7 @@ struct Stay {
 /// faces may as well look inward.
 ///
 /// Where the camera jumps in and out, or stays, it is inside if it sees nothing but backs, and either few elsewhere
-/// on the path or the right side of what is behind them: in a room whose walls face away there are only such walls.
+/// on the path or, with little room, the right side of what is behind them.
 pub(super) fn frames_inside(
     flight: &Flight,
     sights: &[Sight],
@@ -111,9 +114,9 @@ pub(super) fn frames_inside(
     let mut inside = Vec::new();
     for shot in flight.shots() {
         let sees_backs = |frame: &usize| sights[*frame].backs >= NEARLY_ALL;
-        let sees_fronts = |frame: &usize| sights[*frame].fronts_behind_backs >= MOST;
+        let is_stuck = |sight: &Sight| sight.fronts_behind_backs >= MOST && sight.room < NARROW;
         let faces_outward =
-            |frame: usize| sees_backs(&frame) && (sees_backs_seldom || sees_fronts(&frame));
+            |frame: usize| sees_backs(&frame) && (sees_backs_seldom || is_stuck(&sights[frame]));
         if shot.clone().all(faces_outward) {
             inside.extend(shot);
             continue;

@@ -22,8 +22,8 @@ const ABRUPT: f64 = 4.0;
 const STUTTER: f64 = 2.5;
 const TAKEN_BACK: f64 = 0.5;
 
-/// Steps below this share of the coordinates are rounding, of programs that keep single precision, but none that
-/// have so many metres.
+/// Shorter steps are what programs that keep single precision round to: this share of the coordinates, and at most
+/// so many metres.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 const MOST_ROUNDING: f64 = 5e-4;
 

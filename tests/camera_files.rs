@@ -316,6 +316,13 @@ fn refusals_say_what_is_wrong() {
             "camera_type: \"fisheye\"",
         ),
         (
+            frames(
+                "\"seconds\": 1, \"render_width\": 99999, \"render_height\": 1",
+                &format!("{place}, \"fov\": 50"),
+            ),
+            "render_width, render_height: 99999 is not between 1 and 32768",
+        ),
+        (
             "\u{feff}{\"camera_path\": [".to_owned(),
             ":1:17: EOF while parsing a list",
         ),

@@ -237,12 +237,8 @@ fn segments(
             }
         }
     }
-    let ends = (files.first(), files.last());
-    if let (true, (Some(first), Some(end))) = (parsed.closed, ends)
-        && first.velocity.is_some()
-        && end.velocity.is_some()
-        && first.velocity != end.velocity
-    {
+    let [first, end] = [files.first(), files.last()].map(|key| key?.velocity);
+    if parsed.closed && first.is_some() && end.is_some() && first != end {
         let message = "is not that of keyframes[0], where a closed path goes on";
         return check.refuse(&format!("keyframes[{last}].velocity"), message);
     }

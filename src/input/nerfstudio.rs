@@ -13,7 +13,7 @@
 use super::check::{Checker, LARGEST};
 use super::error::InputError;
 use super::json_file;
-use super::settings_file::MOST_PIXELS;
+use super::settings_file::Settings;
 use crate::camera::{Camera, FrameCameras};
 use glam::{DMat3, DVec3};
 use serde::Deserialize;
@@ -63,18 +63,20 @@ pub(super) fn parse(
     };
     let frames = parsed.camera_path.iter().enumerate();
     let cameras = frames.map(|(i, frame)| camera(check, i, frame));
-    let side = |key, pixels| check.range(key, pixels, 1.0, f64::from(MOST_PIXELS));
+    let side = |key, pixels| Ok(check.range(key, pixels, 1.0, f64::from(u32::MAX))? as u32);
     let size = match (parsed.render_width, parsed.render_height) {
         (Some(width), Some(height)) => {
-            let (width, height) = (side("render_width", width)?, side("render_height", height)?);
-            if width * height > f64::from(MOST_PIXELS) {
-                let message = format!("{width}x{height} are more than {MOST_PIXELS} pixels");
-                return check.refuse("render_width", message);
-            }
-            Some((width as u32, height as u32))
+            Some((side("render_width", width)?, side("render_height", height)?))
         }
         _ => None,
     };
+    let settings = Settings {
+        size,
+        ..Settings::default()
+    };
+    if let Err(error) = settings.check() {
+        return check.refuse("render_width, render_height", error.message);
+    }
     let frames = FrameCameras {
         fps,
         start: 0.0,

@@ -113,7 +113,7 @@ pub struct Settings {
 }
 
 /// A frame of 16,384 x 16,384: many gigabytes while it is rendered, about 20 in the montecarlo modes.
-pub(super) const MOST_PIXELS: u32 = 1 << 28;
+const MOST_PIXELS: u32 = 1 << 28;
 
 /// Columns and rows, if nothing else is said.
 const SIZE: (u32, u32) = (1280, 720);

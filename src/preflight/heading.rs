@@ -111,7 +111,7 @@ mod tests {
         let rolled = [(0.0, 3.0), (4.0, -3.0)]
             .map(|place| key(place, Orientation::LookAt { target, roll: 0.3 }));
         assert_eq!(found(rolled).len(), 1);
-        // Straight down, a quarter of a turn in each second.
+        // Straight down, a quarter of a turn in half a second.
         let down = |yaw| Orientation::YawPitchRoll(DVec3::new(yaw, -0.499 * PI, 0.0));
         let turned = [key((0.0, 0.0), down(0.0)), key((0.5, 0.0), down(0.5 * PI))];
         assert_eq!(found(turned), []);

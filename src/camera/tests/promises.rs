@@ -129,10 +129,7 @@ fn velocities_do_not_jump_at_keys() {
             // Derivatives at a time, towards one side of it, to the second order.
             let rate = |time: f64, h: f64| {
                 let [a, b, c] = [0.0, h, 2.0 * h].map(|h| camera(time + h));
-                let turned = |to: &Camera| {
-                    let turned = to.rotation * a.rotation.transpose();
-                    crate::camera::rotation::log(DQuat::from_mat3(&turned))
-                };
+                let turned = |to: &Camera| a.rotation * a.turn_to(to);
                 let zoomed = |to: &Camera| (to.half_height / a.half_height).ln();
                 let moved = |to: &Camera| to.position - a.position;
                 (

@@ -11,39 +11,40 @@
 //!
 //! | layer | modules | never know |
 //! |---|---|---|
-//! | 0 | [`math`], [`svg`] | anything above |
-//! | 1 | [`sampling`], [`geometry`], [`texture`], [`film`], [`chart`] | files, threads, the scene |
-//! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`metrics`], [`illumination`] | each other, files, threads |
+//! | 0 | [`math`], [`storage`] | anything above |
+//! | 1 | [`sampling`], [`geometry`], [`texture`], [`film`] | files, threads, the scene |
+//! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`metrics`], [`irradiance_cache`] | each other, files, threads |
 //! | 3 | [`scene`] | how light is gathered, files |
 //! | 4 | [`integrator`] | pixels, frames, time |
 //! | 5 | [`render`] | file formats, folders, terminals |
-//! | 6 | [`bake`], [`preflight`] | the same, each other |
-//! | 7 | [`input`], [`output`], [`selftest`] | each other, the command line |
-//! | 8 | [`report`], [`forecast`], [`plot`] | each other, the command line |
-//! | 9 | [`cli`] | the mathematics |
+//! | 6 | [`bake`], [`preflight`], [`drawing`] | terminals, each other |
+//! | 7 | [`input`], [`frames`], [`selftest`] | each other, the command line |
+//! | 8 | [`camera_formats`] | frames, the command line |
+//! | 9 | [`report`], [`forecast`] | each other, the command line |
+//! | 10 | [`cli`] | the mathematics |
 
 pub mod accel;
 pub mod bake;
 pub mod camera;
-pub mod chart;
+pub mod camera_formats;
 pub mod cli;
+pub mod drawing;
 pub mod film;
 pub mod forecast;
+pub mod frames;
 pub mod geometry;
-pub mod illumination;
 pub mod input;
 pub mod integrator;
+pub mod irradiance_cache;
 pub mod light;
 pub mod material;
 pub mod math;
 pub mod metrics;
-pub mod output;
-pub mod plot;
 pub mod preflight;
 pub mod render;
 pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod selftest;
-pub mod svg;
+pub mod storage;
 pub mod texture;

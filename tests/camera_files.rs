@@ -4,10 +4,11 @@
 mod support;
 
 use flythrough::camera::{Camera, FrameCameras};
-use flythrough::input::{InputFiles, import_cameras, load_camera_path};
-use flythrough::output::{
+use flythrough::camera_formats::{
     GltfContainer, camera_path_file, camera_table, gltf_file, nerfstudio_json,
 };
+use flythrough::camera_formats::{import_cameras, load_camera_path};
+use flythrough::input::InputFiles;
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::Value;
 use std::path::PathBuf;

@@ -314,7 +314,7 @@ fn light_of_the_path_is_the_same_for_parts_of_it() {
     let out = tempfile::tempdir().unwrap();
     let frames = |folder: &str, frames: &str| {
         let folder = out.path().join(folder);
-        let more = ["--mode", "montecarlo", "--gi", "path", "--frames", frames];
+        let more = ["--mode", "montecarlo", "--gi", "cached", "--frames", frames];
         let (status, said) = render_small("test2", "zoom", &folder, &more);
         assert_eq!(status, Some(0), "{said}");
         fs::read(folder.join("frame_00040.png")).unwrap()
@@ -322,12 +322,12 @@ fn light_of_the_path_is_the_same_for_parts_of_it() {
     assert!(frames("some", "0,40") == frames("one", "40"));
     for (more, wrong) in [
         (
-            &["--mode", "raytracing", "--gi", "path"][..],
+            &["--mode", "raytracing", "--gi", "cached"][..],
             "choose a montecarlo mode",
         ),
-        (&["--gi", "often"], "neither exact nor path"),
+        (&["--gi", "often"], "neither path-traced nor cached"),
         (
-            &["--mode", "montecarlo", "--gi", "path", "--aov", "error"],
+            &["--mode", "montecarlo", "--gi", "cached", "--aov", "error"],
             "take more camera samples",
         ),
     ] {

@@ -367,8 +367,8 @@ fn a_full_disk_keeps_what_it_has_and_takes_the_rest_when_there_is_room() {
 fn a_disk_that_is_full_in_the_middle_of_a_file_leaves_none_of_it() {
     let Some(disk) = Disk::new(64) else { return };
     let file = disk.folder.path().join("a");
-    flythrough::output::write_whole(&file, &[1; 20_000]).unwrap();
-    let error = flythrough::output::write_whole(&file, &[2; 100_000]).unwrap_err();
+    flythrough::storage::write_atomic(&file, &[1; 20_000]).unwrap();
+    let error = flythrough::storage::write_atomic(&file, &[2; 100_000]).unwrap_err();
     assert_eq!(error.kind(), std::io::ErrorKind::StorageFull);
     assert_eq!(fs::read(&file).unwrap(), [1; 20_000]);
     assert_eq!(fs::read_dir(disk.folder.path()).unwrap().count(), 1);

@@ -50,7 +50,7 @@ impl Folder {
 
     fn render(&self, path: &str, out: &str, more: &[&str]) -> (Option<i32>, String) {
         let out = self.text(out);
-        let always = ["--gi", "path", "--samples", "4", "--out", &out];
+        let always = ["--gi", "cached", "--samples", "4", "--out", &out];
         run("render", &self.file(path), &[&always, more].concat())
     }
 
@@ -178,11 +178,11 @@ fn a_file_that_cannot_be_written_is_known_before_the_work() {
     let nowhere = folder.text("nowhere/gi.cache");
     let said = run("bake", &folder.file("left.ron"), &["--out", &nowhere]);
     assert_refused(said, "cannot be written");
-    let more = ["--gi", "exact", "--gi-cache", &nowhere];
+    let more = ["--gi", "path-traced", "--gi-cache", &nowhere];
     let out = folder.text("frames");
     let render = [&["--out", &out][..], &more].concat();
     assert_refused(
         run("render", &folder.file("left.ron"), &render),
-        "--gi path",
+        "--gi cached",
     );
 }

@@ -7,7 +7,7 @@ use flythrough::bake::bake;
 use flythrough::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
 use flythrough::integrator::Integrator;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
-use flythrough::render::{RenderSettings, light_errors, render_pixels};
+use flythrough::render::{RenderSettings, cache_errors, render_pixels};
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -117,7 +117,7 @@ fn the_error_is_known_and_met() {
     assert!(finer.cache.fineness() > usual.cache.fineness());
     for (baked, most) in [(&usual, 0.001), (&finer, 2e-4)] {
         let settings = &baked.settings;
-        assert_eq!(settings.light_errors.len(), 9);
+        assert_eq!(settings.cache_errors.len(), 9);
         let errors = references.each_ref().map(|(number, reference)| {
             let pixels = frame(&scene, &path, &settings.integrator, *number);
             f64::from(relative_square_error(&pixels, reference))
@@ -126,7 +126,7 @@ fn the_error_is_known_and_met() {
         let of_reference = 0.0045 * 32.0 / 2048.0;
         let error = errors.iter().sum::<f64>() / 3.0 - of_reference;
         // So few pixels are of one window.
-        let [low, high] = settings.light_errors[4].interval();
+        let [low, high] = settings.cache_errors[4].interval();
         assert!(low < error && error < high, "{low} {error} {high}");
         assert!(high <= most, "{high}");
     }
@@ -151,7 +151,7 @@ fn wrong_light_is_found() {
     let indirect = 0.5 * direct;
     // The light that it is a share of is half way from the right to the wrong.
     let expected = (0.2 * indirect).powi(2) / ((direct + 1.1 * indirect).powi(2) + 0.01);
-    for error in light_errors(&right, &path, &looking_up) {
+    for error in cache_errors(&right, &path, &looking_up) {
         let off = error.relative_square_error / expected - 1.0;
         assert!(off.abs() < 0.03, "{off}");
     }

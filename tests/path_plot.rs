@@ -5,7 +5,7 @@ mod support;
 
 use base64::Engine;
 use flythrough::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
-use flythrough::plot::plot;
+use flythrough::drawing::path_plot::plot;
 use flythrough::scene::Scene;
 use glam::{DQuat, DVec2, DVec3};
 use resvg::usvg;
@@ -142,7 +142,10 @@ fn every_frame_has_its_place_at_the_axes() {
     let path = path(&keys);
     let svg = drawn(&empty(), &path);
     assert!(svg.contains("a &amp; b: 11 frames at 10 per second, 1 s, 8.12 m"));
-    let panels = [("Plan: ", [0, 2]), ("Elevation: towards +x", [2, 1])];
+    let panels = [
+        ("SequenceRecord: ", [0, 2]),
+        ("Elevation: towards +x", [2, 1]),
+    ];
     for (line, (title, axes)) in path_lines(&svg).iter().zip(panels) {
         assert_eq!(line.len(), 11);
         let [lower, left] = marks(&svg, title);

@@ -4,7 +4,8 @@
 mod support;
 
 use flythrough::camera::CameraPath;
-use flythrough::input::{InputFiles, load_camera_path};
+use flythrough::camera_formats::load_camera_path;
+use flythrough::input::InputFiles;
 use flythrough::preflight::{Oddity, preflight};
 use support::{shipped_path, shipped_scene};
 

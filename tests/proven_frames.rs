@@ -277,7 +277,7 @@ fn light_of_the_path_is_kept_beside_the_frames() {
             .render(&[&more[..], &["--prepare", "light"]].concat())
             .is_empty()
     );
-    let light = project.out().join("light.cache");
+    let light = project.out().join("irradiance.cache");
     let kept = fs::metadata(&light).unwrap().modified().unwrap();
     assert_eq!(
         project.render(&[&more[..], &["--frames", "3"]].concat()),

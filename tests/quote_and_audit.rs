@@ -47,9 +47,9 @@ fn an_audit_finds_frames_of_another_machine() {
 
 /// Puts another picture in a frame's place, with a record that is right of it.
 fn odd_frame(project: &Project, frame: u32) {
-    use flythrough::output::{FrameFolder, Plan};
+    use flythrough::frames::{FrameFolder, SequenceRecord};
     use flythrough::render::{Claim, FrameSink, RenderedFrame};
-    let plan: Plan = FrameFolder::open(&project.out()).unwrap().plan().clone();
+    let plan: SequenceRecord = FrameFolder::open(&project.out()).unwrap().plan().clone();
     let (width, height) = (plan.width, plan.height);
     let folder = FrameFolder::new(&project.out(), plan, true);
     let Claim::Granted(place) = folder.claim(frame, false).unwrap() else {
@@ -78,7 +78,7 @@ fn a_quote_is_scored() {
     };
     for more in [
         &["--samples", "3"][..],
-        &["--mode", "montecarlo", "--gi", "exact"],
+        &["--mode", "montecarlo", "--gi", "path-traced"],
     ] {
         let quoted = of("quote", more);
         for line in ["time ", "disk ", "memory "] {

@@ -191,7 +191,7 @@ fn a_report_has_everything_and_keeps_its_references() {
     let mut looked_up = 0;
     for row in measured {
         let [width, height] = [0, 1].map(|i| number(&row["size"][i]));
-        let is_looked_up = row["flags"].as_str().unwrap().contains("--gi path");
+        let is_looked_up = row["flags"].as_str().unwrap().contains("--gi cached");
         looked_up += u32::from(is_looked_up);
         let of_frame = number(&row["seconds"]) * 64.0 * 48.0 / (width * height);
         let expected = of_frame + if is_looked_up { share } else { 0.0 };
@@ -203,7 +203,7 @@ fn a_report_has_everything_and_keeps_its_references() {
         let row = measured.iter().find(|row| row["flags"] == flags).unwrap();
         ["rays", "relative_square_error"].map(|key| number(&row[key]))
     };
-    let path = rays_and_error("--mode montecarlo --samples 16 --gi path");
+    let path = rays_and_error("--mode montecarlo --samples 16 --gi cached");
     let exact = rays_and_error("--mode montecarlo --samples 16 --splits 1");
     assert!(path[0] < exact[0], "{path:?} {exact:?}");
     assert!(10.0 * path[1] < exact[1], "{path:?} {exact:?}");

@@ -198,7 +198,7 @@ fn sheets_are_of_folders_of_frames_and_take_no_place_of_theirs() {
         "frame_00003.png",
         "frame_00099.png",
         "sequence.ron",
-        "light.cache",
+        "irradiance.cache",
     ] {
         let file = format!("{out}/../out/{name}");
         let output = flythrough(&["sheet", &out, "-o", &file]);
@@ -319,7 +319,7 @@ fn a_preview_takes_no_settings_and_no_place_of_finished_frames() {
         &["--samples", "4"],
         &["--splits", "2"],
         &["--target-error", "0.1"],
-        &["--gi", "path"],
+        &["--gi", "cached"],
         &["--gi-cache", "light"],
         &["--budget", "2h"],
         &["--aov", "error"],

@@ -1,4 +1,4 @@
-use crate::illumination::{Linear, Place, Places};
+use crate::irradiance_cache::{IrradianceRecord, IrradianceRecords, LinearIrradiance};
 use crate::math::to_world;
 use glam::{DMat3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -9,14 +9,18 @@ const STIFFNESS: f64 = 0.005;
 
 /// The light around each place as a linear function on its tangent plane: what suits the light gathered
 /// there and at its neighbours best, which takes most of their noise away (weighted least squares).
-pub(super) fn fit(places: &Places, light: &[Vec3]) -> Vec<Linear> {
+pub(super) fn fit(places: &IrradianceRecords, light: &[Vec3]) -> Vec<LinearIrradiance> {
     let numbers = (0..places.len()).into_par_iter();
     numbers
         .map(|number| around(places, &places[number], light))
         .collect()
 }
 
-fn around(places: &Places, place: &Place, light: &[Vec3]) -> Linear {
+fn around(
+    places: &IrradianceRecords,
+    place: &IrradianceRecord,
+    light: &[Vec3],
+) -> LinearIrradiance {
     let tangents = [Vec3::X, Vec3::Y].map(|axis| to_world(place.normal, axis));
     let mut matrix = DMat3::ZERO;
     let mut right_sides = [DVec3::ZERO; 3];
@@ -36,7 +40,7 @@ fn around(places: &Places, place: &Place, light: &[Vec3]) -> Linear {
     matrix.z_axis.z += STIFFNESS * weights;
     let inverse = matrix.inverse();
     let solved = right_sides.map(|side| inverse * side);
-    Linear {
+    LinearIrradiance {
         light: Vec3::from_array(solved.map(|function| function.x as f32)),
         gradient: solved.map(|function| {
             let [x, y] = [function.y, function.z].map(|change| change as f32);
@@ -48,7 +52,7 @@ fn around(places: &Places, place: &Place, light: &[Vec3]) -> Linear {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::illumination::Walls;
+    use crate::irradiance_cache::OccluderPlanes;
     use crate::math::Aabb;
     use crate::sampling::Random;
 
@@ -60,7 +64,7 @@ mod tests {
             min: Vec3::splat(-3.0),
             max: Vec3::splat(3.0),
         };
-        let mut places = Places::new(bounds, 0.5);
+        let mut places = IrradianceRecords::new(bounds, 0.5);
         let mut random = Random::new(7);
         let change = Vec3::new(0.3, -0.2, 0.1);
         let change = change - normal * change.dot(normal);
@@ -69,11 +73,11 @@ mod tests {
         for _ in 0..400 {
             let point = random.vector(1.0);
             let position = point - normal * point.dot(normal);
-            places.push(Place {
+            places.push(IrradianceRecord {
                 position,
                 normal,
                 radius: 0.4,
-                walls: Walls::default(),
+                walls: OccluderPlanes::default(),
             });
             light.push(true_light(position));
         }

@@ -10,17 +10,19 @@
 //! All of it is a function of scene, path and settings: the same for any number of threads, and for whichever
 //! frames are rendered with it.
 
+mod bake_state;
+mod cache_file;
 mod candidates;
 mod fit;
-mod light;
-mod light_cache;
+mod gather;
 mod order;
 mod placement;
 
 use crate::camera::CameraPath;
-use crate::render::{ErrorEstimate, PixelSampling, RenderSettings, light_errors};
+use crate::render::{ErrorEstimate, PixelSampling, RenderSettings, cache_errors};
 use crate::scene::Scene;
-pub use light_cache::LightCache;
+pub use bake_state::BakeState;
+pub use cache_file::{CacheFile, CacheFileError};
 use std::sync::Arc;
 
 /// Is told how far the work is, of 1, and what is done now.
@@ -30,7 +32,7 @@ pub type Listener<'a> = &'a (dyn Fn(f64, &'static str) + Sync);
 #[derive(Debug)]
 pub struct Baked {
     /// What can be kept for other runs.
-    pub cache: LightCache,
+    pub cache: BakeState,
     /// The settings of frames that look it up.
     pub settings: RenderSettings,
     /// Whether its error leaves room for a target error. Always if there is none.
@@ -48,11 +50,11 @@ pub fn bake(
     path: &CameraPath,
     name: &str,
     exact: &RenderSettings,
-    given: Option<LightCache>,
+    given: Option<BakeState>,
     listener: Listener,
 ) -> Baked {
     let is_given = given.is_some();
-    let new = |fineness| LightCache::new(scene, exact.integrator.bounces(), exact.seed, fineness);
+    let new = |fineness| BakeState::new(scene, exact.integrator.bounces(), exact.seed, fineness);
     let mut cache = given.unwrap_or_else(|| new(0));
     loop {
         if !cache.covers(name) {
@@ -60,10 +62,10 @@ pub fn bake(
         }
         listener(0.97, "error of the light");
         let mut settings = exact.looking_up(Arc::new(cache.illumination()));
-        settings.light_errors = match cache.errors(name, exact.white) {
+        settings.cache_errors = match cache.errors(name, exact.white) {
             Some(errors) => errors.into(),
             None => {
-                let errors = light_errors(scene, path, &settings);
+                let errors = cache_errors(scene, path, &settings);
                 cache.learn(name, exact.white, &errors);
                 errors.into()
             }
@@ -74,9 +76,9 @@ pub fn bake(
                 PixelSampling::Center | PixelSampling::Corners => 1.0,
             };
             let is_low = |error: &ErrorEstimate| error.interval()[1] <= share * target;
-            settings.light_errors.iter().all(is_low)
+            settings.cache_errors.iter().all(is_low)
         });
-        if reaches_target || is_given || cache.fineness() == LightCache::FINEST {
+        if reaches_target || is_given || cache.fineness() == BakeState::FINEST {
             return Baked {
                 cache,
                 settings,

@@ -1,6 +1,6 @@
-use super::light::{Purpose, numbers_of};
+use super::gather::{Purpose, numbers_of};
 use crate::accel::{Point, Traversal};
-use crate::illumination::{Place, Places, Walls};
+use crate::irradiance_cache::{IrradianceRecord, IrradianceRecords, OccluderPlanes};
 use crate::material::Only;
 use crate::math::Ray;
 use crate::sampling::uniform_sphere;
@@ -33,12 +33,12 @@ pub(super) struct Candidate {
     pub(super) least_radius: f32,
 }
 
-/// Places that are being chosen.
+/// IrradianceRecords that are being chosen.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Placement {
     density: Density,
     seed: u32,
-    pub(super) places: Places,
+    pub(super) places: IrradianceRecords,
     /// The points in the middles of the places.
     pub(super) points: Vec<Point>,
     /// The harmonic mean distance of what each of them sees.
@@ -58,7 +58,7 @@ impl Placement {
         Placement {
             density,
             seed,
-            places: Places::new(scene.bounds(), density.angle),
+            places: IrradianceRecords::new(scene.bounds(), density.angle),
             points: Vec::new(),
             distances: Vec::new(),
         }
@@ -147,7 +147,7 @@ impl Placement {
         for (number, distance) in around {
             self.places.shrink(number, radius + share * distance);
         }
-        self.places.push(Place {
+        self.places.push(IrradianceRecord {
             position,
             normal: shading_normal,
             radius,
@@ -201,12 +201,12 @@ impl Probe {
     }
 
     /// What a place of this radius at a point does not reach behind.
-    fn walls(&self, place: &Point, radius: f32) -> Walls {
+    fn walls(&self, place: &Point, radius: f32) -> OccluderPlanes {
         /// What rays have hit of a wall is mostly nearer elsewhere.
         const REACH: f32 = 3.0;
         /// The cosine between normals of walls that rather go on from the surface than stand on it.
         const ALONG: f32 = 0.8;
-        let mut walls = Walls::default();
+        let mut walls = OccluderPlanes::default();
         for (point, distance) in &self.hits {
             if *distance >= REACH * radius {
                 break;

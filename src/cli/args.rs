@@ -106,8 +106,8 @@ pub(super) struct JobArguments {
     pub(super) input: InputArguments,
     #[command(flatten)]
     pub(super) settings: SettingsArguments,
-    /// File for the light of --gi path, which may be that of a bake or of other runs; made if it is not there
-    /// [default: light.cache in the folder of the frames]
+    /// File for the light of --gi cached, which may be that of a bake or of other runs; made if it is not there
+    /// [default: irradiance.cache in the folder of the frames]
     #[arg(long, value_name = "FILE")]
     pub(super) gi_cache: Option<PathBuf>,
     /// File format of the frames
@@ -124,7 +124,7 @@ pub(super) struct JobArguments {
 /// Say what a sequence will take, before it is paid for: time, disk and memory
 ///
 /// Renders a few frames of the path, small ones where whole ones would take long, and tells what all of them will
-/// take on this machine: what is most likely, and between what it is 19 times of 20. Light of --gi path is worked
+/// take on this machine: what is most likely, and between what it is 19 times of 20. Light of --gi cached is worked
 /// out for it; with --out or --gi-cache it is kept, and costs nothing more.
 ///
 /// What is quoted to a folder is held against what it took, when its frames are rendered.
@@ -147,7 +147,7 @@ pub(super) struct QuoteArguments {
 
 /// Render some frames of a folder again, and compare them with what is there, byte for byte
 ///
-/// They are made as the command made them that is written down in the folder, light of --gi path as it is kept in
+/// They are made as the command made them that is written down in the folder, light of --gi cached as it is kept in
 /// its file. So a machine of a farm that renders other pictures than this one is found.
 ///
 /// Exit status: 0 all are the same, 2 not a folder of frames, or made from something else, 3 some are not the
@@ -286,7 +286,7 @@ pub(super) struct CheckArguments {
 /// advice: the cheapest settings for a relMSE of 0.01, where noise is just seen, and of 0.001, where it
 /// hardly is.
 ///
-/// The light of the path (--gi path) is worked out once, as for the whole sequence at its own size, and each
+/// The light of the path (--gi cached) is worked out once, as for the whole sequence at its own size, and each
 /// frame is charged its share: those seconds are right if all frames are rendered.
 ///
 /// Exposure, bounces and the size that the advice is for are the scene's and the path's. The error is

@@ -3,7 +3,7 @@ use super::interrupt::Interrupt;
 use super::recorded::job_of;
 use super::verify::prove;
 use super::{Failure, Status};
-use crate::output::FrameFolder;
+use crate::frames::FrameFolder;
 use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
 use std::fs;
 use std::io::Write;

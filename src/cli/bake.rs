@@ -11,7 +11,7 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<Status, Failure> {
     let given = loaded.settings(flags);
     let given = Settings {
         mode: given.mode.or(Some(Mode::Montecarlo)),
-        gi: Some(GlobalIllumination::Path),
+        gi: Some(GlobalIllumination::Cached),
         ..given
     };
     given.check_together()?;

@@ -1,7 +1,8 @@
 use super::args::CheckArguments;
 use super::loading::pool;
 use super::{Failure, Status, warn};
-use crate::input::{InputFiles, load_camera_path, load_scene};
+use crate::camera_formats::load_camera_path;
+use crate::input::{InputFiles, load_scene};
 use crate::preflight::preflight;
 use glam::DVec3;
 use std::io::Write;

@@ -5,8 +5,8 @@ use super::light::{LightStore, PathLight};
 use super::loading::{Loaded, load};
 use super::progress::{SequenceProgress, Shown, Steps};
 use crate::forecast::Stage;
+use crate::frames::{FrameFormat, PlanCommand, SequenceRecord};
 use crate::input::{GlobalIllumination, Settings};
-use crate::output::{FrameFormat, Plan, PlanCommand};
 use crate::render::{
     FrameSink, Outcome, PixelSampling, RenderSettings, render_sequence, tile_count,
 };
@@ -46,7 +46,7 @@ impl Job {
         let exact = given.resolve();
         let store = match (&arguments.gi_cache, out) {
             (Some(file), _) => LightStore::Shared(file.clone()),
-            (None, Some(out)) => LightStore::Own(out.join("light.cache")),
+            (None, Some(out)) => LightStore::Own(out.join("irradiance.cache")),
             (None, None) => LightStore::Nowhere,
         };
         let light = light(store, &given, &loaded, &exact, force)?;
@@ -87,10 +87,10 @@ impl Job {
     }
 
     /// What the frames are to be.
-    pub(super) fn plan(&self) -> Result<Plan, Failure> {
+    pub(super) fn plan(&self) -> Result<SequenceRecord, Failure> {
         let path = &self.loaded.path.path;
         let timeline = path.timeline();
-        let program = Plan::program();
+        let program = SequenceRecord::program();
         // Of the path a frame knows its camera, and the light that is worked out for all of it.
         let of_all = format!(
             "{program} {:?} {:?} {} {:?}",
@@ -104,7 +104,7 @@ impl Job {
             hasher.finalize().to_string()
         };
         let typed = std::env::args_os().map(|argument| argument.to_string_lossy().into_owned());
-        Ok(Plan {
+        Ok(SequenceRecord {
             program,
             command: PlanCommand {
                 folder: std::env::current_dir()?,
@@ -151,7 +151,7 @@ impl Job {
     }
 
     /// What a forecast renders frames of.
-    pub(super) fn stage<'a>(&'a self, plan: &'a Plan) -> Stage<'a> {
+    pub(super) fn stage<'a>(&'a self, plan: &'a SequenceRecord) -> Stage<'a> {
         Stage {
             scene: &self.loaded.scene.scene,
             path: &self.loaded.path.path,
@@ -171,11 +171,11 @@ fn light(
 ) -> Result<Option<PathLight>, Failure> {
     let frames = loaded.path.path.timeline().frame_count();
     match (given.global_illumination(frames), &store) {
-        (GlobalIllumination::Path, _) => Ok(Some(PathLight::open(store, loaded, exact, force)?)),
-        (GlobalIllumination::Exact, LightStore::Shared(_)) => {
-            Err("--gi-cache: add --gi path".into())
+        (GlobalIllumination::Cached, _) => Ok(Some(PathLight::open(store, loaded, exact, force)?)),
+        (GlobalIllumination::PathTraced, LightStore::Shared(_)) => {
+            Err("--gi-cache: add --gi cached".into())
         }
-        (GlobalIllumination::Exact, _) => Ok(None),
+        (GlobalIllumination::PathTraced, _) => Ok(None),
     }
 }
 
@@ -183,7 +183,7 @@ fn refuse_maps_without_noise(settings: &RenderSettings, looks_up: bool) -> Resul
     let (has_noise, advice) = match looks_up {
         true => (
             settings.has_noise_looking_up(),
-            "take more camera samples, or --gi exact",
+            "take more camera samples, or --gi path-traced",
         ),
         false => (settings.has_noise(), "choose a montecarlo mode"),
     };

@@ -1,9 +1,9 @@
 use super::loading::Loaded;
 use super::progress::{ShareProgress, clock};
 use super::{Failure, warn};
-use crate::bake::{Baked, LightCache, bake};
+use crate::bake::CacheFile;
+use crate::bake::{BakeState, Baked, bake};
 use crate::integrator::Integrator;
-use crate::output::LightFile;
 use crate::render::{ErrorEstimate, PixelSampling, RenderSettings};
 use std::io::Write;
 use std::path::PathBuf;
@@ -21,8 +21,8 @@ pub(super) enum LightStore {
 
 /// The light of a path, as far as a file holds it already.
 pub(super) struct PathLight {
-    file: Option<LightFile>,
-    found: Option<LightCache>,
+    file: Option<CacheFile>,
+    found: Option<BakeState>,
     /// What the path is called there.
     name: String,
 }
@@ -54,12 +54,12 @@ impl PathLight {
         let name = loaded.path_fingerprint.to_string();
         let (file, found) = match store {
             LightStore::Shared(file) => {
-                let file = LightFile::new(&file, fingerprint.finalize());
+                let file = CacheFile::new(&file, fingerprint.finalize());
                 let found = file.read(force)?;
                 (Some(file), found)
             }
             LightStore::Own(file) => {
-                let file = LightFile::new(&file, fingerprint.finalize());
+                let file = CacheFile::new(&file, fingerprint.finalize());
                 // What is of no use is written over.
                 let found = file.read(true).ok().flatten();
                 let of_path = found.filter(|found| *found.paths() == [name.clone()]);
@@ -90,11 +90,11 @@ impl PathLight {
         exact: &RenderSettings,
         quiet: bool,
     ) -> Result<RenderSettings, Failure> {
-        let has_all = |cache: &LightCache| cache.errors(&self.name, exact.white).is_some();
+        let has_all = |cache: &BakeState| cache.errors(&self.name, exact.white).is_some();
         let is_complete = self.found.as_ref().is_some_and(has_all);
         let file = self.file.filter(|_| !is_complete);
         if let Some(file) = &file {
-            file.try_out()?;
+            file.check_writable()?;
         }
         let start = Instant::now();
         let progress = ShareProgress::new(quiet);
@@ -137,7 +137,7 @@ fn summary(settings: &RenderSettings) -> String {
             "  {visible} places that the camera sees, {secondary} beyond, {megabytes:.1} MB in memory"
         );
     }
-    let errors = || (0..).zip(settings.light_errors.iter());
+    let errors = || (0..).zip(settings.cache_errors.iter());
     let of = |error: &ErrorEstimate| error.relative_square_error;
     if let Some((frame, worst)) = errors().max_by(|a, b| of(a.1).total_cmp(&of(b.1))) {
         let mean = errors().map(|(_, e)| of(e)).sum::<f64>() / errors().count() as f64;
@@ -154,10 +154,10 @@ fn summary(settings: &RenderSettings) -> String {
 /// What to say of light that is not good enough.
 fn shortfall(baked: &Baked, exact: &RenderSettings) -> Option<String> {
     let target = exact.target_error.filter(|_| !baked.reaches_target)?;
-    let errors = baked.settings.light_errors.iter();
+    let errors = baked.settings.cache_errors.iter();
     let worst = errors.map(|error| error.interval()[1]).fold(0.0, f64::max);
     Some(format!(
         "the light of the path leaves too little room for the error of {target}: its own may be up to {worst:.2e}; \
-         --gi exact has no such limit"
+         --gi path-traced has no such limit"
     ))
 }

@@ -1,8 +1,7 @@
 use super::input_args::{InputArguments, ThreadsArgument};
 use super::{Failure, warn};
-use crate::input::{
-    CameraPathInput, InputFiles, SceneInput, Settings, load_camera_path, load_scene,
-};
+use crate::camera_formats::{CameraPathInput, load_camera_path};
+use crate::input::{InputFiles, SceneInput, Settings, load_scene};
 
 /// A scene, a path and the threads to render them on.
 pub(super) struct Loaded {

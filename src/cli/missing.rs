@@ -3,7 +3,7 @@ use super::frames::ranges;
 use super::values::ListFormatArgument;
 use super::verify::prove;
 use super::{Failure, Status};
-use crate::output::FrameFolder;
+use crate::frames::FrameFolder;
 use std::io::Write;
 
 pub(super) fn run(arguments: &MissingArguments) -> Result<Status, Failure> {

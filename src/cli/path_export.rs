@@ -1,8 +1,10 @@
 use super::path_args::ExportArguments;
 use super::{Failure, Status, keep, written};
 use crate::camera::FrameCameras;
-use crate::input::{InputFiles, Settings, load_camera_path};
-use crate::output::{GltfContainer, camera_table, gltf_file, nerfstudio_json, write_whole};
+use crate::camera_formats::load_camera_path;
+use crate::camera_formats::{GltfContainer, camera_table, gltf_file, nerfstudio_json};
+use crate::input::{InputFiles, Settings};
+use crate::storage::write_atomic;
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
     keep(&arguments.out, arguments.force)?;
@@ -30,6 +32,6 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
             return Err(format!("{out}: name it .json, .gltf, .glb or .jsonl").into());
         }
     };
-    written(&arguments.out, write_whole(&arguments.out, &bytes))?;
+    written(&arguments.out, write_atomic(&arguments.out, &bytes))?;
     Ok(Status::Done)
 }

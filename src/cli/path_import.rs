@@ -1,7 +1,8 @@
 use super::path_args::ImportArguments;
 use super::{Failure, Status, keep, written};
-use crate::input::{import_cameras, parse_camera_path};
-use crate::output::{camera_path_file, write_whole};
+use crate::camera_formats::camera_path_file;
+use crate::camera_formats::{import_cameras, parse_camera_path};
+use crate::storage::write_atomic;
 use std::io::Write;
 
 pub(super) fn run(arguments: &ImportArguments) -> Result<Status, Failure> {
@@ -15,7 +16,7 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Status, Failure> {
     );
     let text = camera_path_file(&import.frames, import.size, &from);
     let path = parse_camera_path(&arguments.file, text.as_bytes())?.path;
-    written(out, write_whole(out, text.as_bytes()))?;
+    written(out, write_atomic(out, text.as_bytes()))?;
     let timeline = path.timeline();
     writeln!(
         std::io::stdout(),

@@ -1,9 +1,9 @@
 use super::loading::load;
 use super::path_args::PlotArguments;
 use super::{Failure, Status, written};
+use crate::drawing::path_plot::plot;
 use crate::input::Settings;
-use crate::output::write_whole;
-use crate::plot::plot;
+use crate::storage::write_atomic;
 
 pub(super) fn run(arguments: &PlotArguments) -> Result<Status, Failure> {
     // A name that is given by mistake may be that of an input.
@@ -28,6 +28,6 @@ pub(super) fn run(arguments: &PlotArguments) -> Result<Status, Failure> {
     let svg = loaded
         .pool
         .install(|| plot(scene, path, aspect, &title.to_string_lossy()))?;
-    written(&arguments.out, write_whole(&arguments.out, svg.as_bytes()))?;
+    written(&arguments.out, write_atomic(&arguments.out, svg.as_bytes()))?;
     Ok(Status::Done)
 }

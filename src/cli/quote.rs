@@ -3,8 +3,9 @@ use super::job::Job;
 use super::progress::clock;
 use super::{Failure, Status, written};
 use crate::forecast::{Forecast, Quote, samples_within};
-use crate::output::{FrameFolder, PartFile, Plan, write_whole};
+use crate::frames::{FrameFolder, SequenceRecord};
 use crate::render::Outcome;
+use crate::storage::{PartFile, write_atomic};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, Write};
@@ -116,7 +117,7 @@ impl Kept {
             let pretty = ron::ser::PrettyConfig::new().struct_names(true);
             let text = ron::ser::to_string_pretty(&kept, pretty)?;
             let file = out.join(Kept::FILE);
-            written(&file, write_whole(&file, text.as_bytes()))?;
+            written(&file, write_atomic(&file, text.as_bytes()))?;
         }
         Ok(kept)
     }
@@ -212,7 +213,7 @@ fn make(out: &Path) -> Result<(), Failure> {
 }
 
 /// A hash of what all frames are to be made from.
-fn hash(plan: &Plan) -> String {
+fn hash(plan: &SequenceRecord) -> String {
     blake3::hash(plan.made_from.concat().as_bytes()).to_string()
 }
 

@@ -5,7 +5,7 @@ use super::args::{Arguments, Command, RenderArguments};
 use super::input_args::ThreadsArgument;
 use super::job::Job;
 use super::quote::choose_again;
-use crate::output::FrameFolder;
+use crate::frames::FrameFolder;
 use clap::Parser;
 
 /// Loads what the frames of a folder were made from, as it is now. Names in the command are relative to where it

@@ -10,7 +10,7 @@ use super::values::{OrderArgument, PrepareArgument};
 use super::verify::prove;
 use super::{Failure, Status, warn};
 use crate::camera::FrameCameras;
-use crate::output::{Fault, FrameFolder, Manifest};
+use crate::frames::{FrameFolder, Manifest, VerifyError};
 use crate::render::{ErrorEstimate, Outcome};
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         keep_within(&mut job, budget, &out, arguments.quiet)?;
     }
     let folder = FrameFolder::new(&out, job.plan()?, arguments.force);
-    if arguments.prepare == Some(PrepareArgument::Plan) {
+    if arguments.prepare == Some(PrepareArgument::SequenceRecord) {
         folder.prepare()?;
         return Ok(Status::Done);
     }
@@ -115,14 +115,14 @@ fn missing(folder: &FrameFolder, frames: &[u32], quiet: bool) -> Vec<u32> {
         let Err(fault) = proof else { continue };
         missing.push(frame);
         match fault {
-            Fault::Missing => {}
-            Fault::Stale => stale += 1,
+            VerifyError::Missing => {}
+            VerifyError::Stale => stale += 1,
             fault => warn(&[format!("{}: {fault}", folder.file_of(frame).display())]),
         }
     }
     if stale > 0 {
         let folder = folder.path().display();
-        let why = Fault::Stale;
+        let why = VerifyError::Stale;
         warn(&[format!(
             "{folder}: {stale} frames are rendered again, as they are {why}"
         )]);

@@ -1,6 +1,7 @@
 use super::args::SheetArguments;
 use super::{Failure, Status, written};
-use crate::output::{ContactSheet, FrameFolder};
+use crate::frames::ContactSheet;
+use crate::frames::FrameFolder;
 use std::io::Write;
 use std::path::Path;
 

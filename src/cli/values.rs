@@ -1,6 +1,6 @@
 //! What options take: names, times, sizes and shares, as people write them.
 
-use crate::output::FrameFormat;
+use crate::frames::FrameFormat;
 use clap::ValueEnum;
 use std::str::FromStr;
 use std::time::Duration;
@@ -33,8 +33,8 @@ pub(super) enum OrderArgument {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum PrepareArgument {
     /// Write down what the frames are to be, so that verify and missing know
-    Plan,
-    /// The same, and work out the light of --gi path if it is needed
+    SequenceRecord,
+    /// The same, and work out the light of --gi cached if it is needed
     Light,
 }
 

@@ -3,7 +3,7 @@ use super::loading::pool;
 use super::progress::ShareProgress;
 use super::recorded::job_of;
 use super::{Failure, Status, warn};
-use crate::output::{Fault, FrameFolder, FrameRecord};
+use crate::frames::{FrameFolder, FrameRecord, VerifyError};
 use rayon::prelude::*;
 use std::io::Write;
 use std::path::absolute;
@@ -59,7 +59,7 @@ pub(super) fn prove(
     folder: &FrameFolder,
     frames: &[u32],
     quiet: bool,
-) -> Vec<(u32, Result<FrameRecord, Fault>)> {
+) -> Vec<(u32, Result<FrameRecord, VerifyError>)> {
     let progress = ShareProgress::new(quiet);
     let done = AtomicUsize::new(0);
     let prove = |&frame: &u32| {

@@ -1,5 +1,5 @@
 use crate::camera::CameraPath;
-use crate::output::Plan;
+use crate::frames::SequenceRecord;
 use crate::render::{
     Claim, EncodedFrame, FrameSink, RenderSettings, RenderedFrame, SinkError, Unwatched,
     render_sequence,
@@ -38,7 +38,7 @@ pub struct Stage<'a> {
     /// Threads.
     pub pool: &'a rayon::ThreadPool,
     /// What the frames are to be.
-    pub plan: &'a Plan,
+    pub plan: &'a SequenceRecord,
 }
 
 /// A few frames of a sequence, rendered for what they cost: as they will be, or smaller.
@@ -156,7 +156,7 @@ impl Stage<'_> {
 
 /// Weighs frames in place of keeping them: number, rays and bytes.
 struct Scale<'a> {
-    plan: &'a Plan,
+    plan: &'a SequenceRecord,
     weighed: Mutex<Vec<(u32, u64, usize)>>,
 }
 

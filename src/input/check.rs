@@ -5,23 +5,23 @@ use glam::{DVec3, Vec3};
 use std::path::Path;
 
 /// A triple in a file: (x, y, z) or (r, g, b).
-pub(super) type Triple = (f64, f64, f64);
+pub(crate) type Triple = (f64, f64, f64);
 
 /// Coordinates beyond this lose so much to rounding, or overflow when squared, that no picture
 /// could be right.
-pub(super) const LARGEST: f64 = 1e15;
+pub(crate) const LARGEST: f64 = 1e15;
 
 /// Sizes below this vanish when squared or in single precision.
-pub(super) const SMALLEST: f64 = 1e-15;
+pub(crate) const SMALLEST: f64 = 1e-15;
 
 /// Names values of one file in messages.
 #[derive(Clone, Copy)]
-pub(super) struct Checker<'a> {
-    pub(super) file: &'a Path,
+pub(crate) struct Checker<'a> {
+    pub(crate) file: &'a Path,
 }
 
 impl Checker<'_> {
-    pub(super) fn refuse<T>(self, key: &str, message: impl Into<String>) -> Result<T, InputError> {
+    pub(crate) fn refuse<T>(self, key: &str, message: impl Into<String>) -> Result<T, InputError> {
         Err(InputError::Value {
             file: self.file.to_owned(),
             key: key.to_owned(),
@@ -30,7 +30,7 @@ impl Checker<'_> {
     }
 
     /// A number within `least..=most`.
-    pub(super) fn range(
+    pub(crate) fn range(
         self,
         key: &str,
         value: f64,
@@ -44,7 +44,7 @@ impl Checker<'_> {
     }
 
     /// A size or a rate.
-    pub(super) fn positive(self, key: &str, value: f64) -> Result<f64, InputError> {
+    pub(crate) fn positive(self, key: &str, value: f64) -> Result<f64, InputError> {
         if (SMALLEST..=LARGEST).contains(&value) {
             return Ok(value);
         }
@@ -57,7 +57,7 @@ impl Checker<'_> {
     }
 
     /// A vertical field of view in degrees, to radians.
-    pub(super) fn field_of_view(self, key: &str, degrees: f64) -> Result<f64, InputError> {
+    pub(crate) fn field_of_view(self, key: &str, degrees: f64) -> Result<f64, InputError> {
         if degrees > 0.0 && degrees < 180.0 {
             return Ok(degrees.to_radians());
         }
@@ -66,7 +66,7 @@ impl Checker<'_> {
     }
 
     /// A point, direction or set of angles.
-    pub(super) fn vector(self, key: &str, (x, y, z): Triple) -> Result<DVec3, InputError> {
+    pub(crate) fn vector(self, key: &str, (x, y, z): Triple) -> Result<DVec3, InputError> {
         let vector = DVec3::new(x, y, z);
         if vector.is_finite() && vector.abs().max_element() <= LARGEST {
             return Ok(vector);
@@ -78,7 +78,7 @@ impl Checker<'_> {
     }
 
     /// A colour with channels within `0..=most`.
-    pub(super) fn color(self, key: &str, rgb: Triple, most: f64) -> Result<Vec3, InputError> {
+    pub(crate) fn color(self, key: &str, rgb: Triple, most: f64) -> Result<Vec3, InputError> {
         let (r, g, b) = rgb;
         let color = DVec3::new(r, g, b);
         if color.is_finite() && color.min_element() >= 0.0 && color.max_element() <= most {
@@ -97,4 +97,4 @@ impl Checker<'_> {
 }
 
 /// The largest light: its square still is a number in single precision.
-pub(super) const BRIGHTEST: f64 = 1e15;
+pub(crate) const BRIGHTEST: f64 = 1e15;

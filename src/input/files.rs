@@ -56,7 +56,7 @@ impl InputFiles {
 }
 
 /// `name` as it stands in `file`: relative to that file's folder, with either kind of slash.
-pub(super) fn relative_to(file: &Path, name: &str) -> PathBuf {
+pub(crate) fn relative_to(file: &Path, name: &str) -> PathBuf {
     let name = name.trim().replace('\\', "/");
     file.parent().unwrap_or(Path::new("")).join(name)
 }

@@ -5,21 +5,13 @@
 //! wrong is refused with the file and the place; whatever is left out of the picture is said in a
 //! warning.
 
-mod camera_import;
-mod camera_path_file;
-mod check;
+pub(crate) mod check;
 mod error;
-mod files;
-mod gltf_buffers;
-mod gltf_essence;
-mod gltf_file;
-mod gltf_sampler;
-mod json_file;
+pub(crate) mod files;
 mod mtl;
-mod nerfstudio;
 mod obj;
 mod obj_check;
-mod ron_file;
+pub(crate) mod ron_file;
 mod scene_file;
 mod scene_loader;
 mod settings_file;
@@ -27,8 +19,6 @@ mod statements;
 mod texture_file;
 mod unused;
 
-pub use camera_import::{CameraImport, import_cameras};
-pub use camera_path_file::{CameraPathInput, load_camera_path, parse_camera_path};
 pub use error::InputError;
 pub use files::InputFiles;
 pub use scene_loader::{SceneInput, load_scene};

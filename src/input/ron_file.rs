@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 use std::path::Path;
 
 /// Parses a RON file. `Some(...)` and the second brackets of a variant may be left out.
-pub(super) fn parse<T: DeserializeOwned>(file: &Path, bytes: &[u8]) -> Result<T, InputError> {
+pub(crate) fn parse<T: DeserializeOwned>(file: &Path, bytes: &[u8]) -> Result<T, InputError> {
     let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES;
     let options = ron::Options::default().with_default_extension(extensions);
     let fault = |line, column, message| InputError::Syntax {
@@ -36,7 +36,7 @@ pub(super) fn parse<T: DeserializeOwned>(file: &Path, bytes: &[u8]) -> Result<T,
 }
 
 /// Deserialises a map in which no key may stand twice.
-pub(super) fn unique_keys<'de, D, T>(deserializer: D) -> Result<BTreeMap<String, T>, D::Error>
+pub(crate) fn unique_keys<'de, D, T>(deserializer: D) -> Result<BTreeMap<String, T>, D::Error>
 where
     D: Deserializer<'de>,
     T: Deserialize<'de>,
@@ -67,7 +67,7 @@ where
 }
 
 /// Deserialises a list of exactly three.
-pub(super) fn three<'de, D, T>(deserializer: D) -> Result<[T; 3], D::Error>
+pub(crate) fn three<'de, D, T>(deserializer: D) -> Result<[T; 3], D::Error>
 where
     D: Deserializer<'de>,
     T: Deserialize<'de>,
@@ -81,7 +81,7 @@ where
 }
 
 /// Deserialises a list of exactly three that may be left out.
-pub(super) fn maybe_three<'de, D, T>(deserializer: D) -> Result<Option<[T; 3]>, D::Error>
+pub(crate) fn maybe_three<'de, D, T>(deserializer: D) -> Result<Option<[T; 3]>, D::Error>
 where
     D: Deserializer<'de>,
     T: Deserialize<'de>,

@@ -22,7 +22,7 @@ pub(super) struct SceneFile {
     #[serde(default, deserialize_with = "ron_file::unique_keys")]
     pub(super) materials: BTreeMap<String, MaterialFile>,
     #[serde(default)]
-    pub(super) lights: Vec<LightFile>,
+    pub(super) lights: Vec<CacheFile>,
     pub(super) objects: Vec<ObjectFile>,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct MaterialFile {
 
 #[derive(Deserialize)]
 #[serde(rename = "Light", deny_unknown_fields)]
-pub(super) struct LightFile {
+pub(super) struct CacheFile {
     pub(super) position: Triple,
     pub(super) intensity: Triple,
     #[serde(default)]

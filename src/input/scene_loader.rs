@@ -6,7 +6,7 @@ use super::files::{InputFiles, relative_to};
 use super::mtl::SHARPEST;
 use super::obj::{self, ObjModel};
 use super::scene_file::{
-    FalloffFile, LightFile, MaterialFile, ModelFile, ObjectFile, SceneFile, SphereFile,
+    CacheFile, FalloffFile, MaterialFile, ModelFile, ObjectFile, SceneFile, SphereFile,
     TriangleFile, one,
 };
 use super::settings_file::Settings;
@@ -184,7 +184,7 @@ impl Loader<'_> {
         Ok(number)
     }
 
-    fn add_light(&mut self, index: usize, light: &LightFile) -> Result<(), InputError> {
+    fn add_light(&mut self, index: usize, light: &CacheFile) -> Result<(), InputError> {
         let key = |field: &str| format!("lights[{index}].{field}");
         let position = self.check.vector(&key("position"), light.position)?;
         let intensity = self

@@ -61,9 +61,9 @@ impl fmt::Display for Mode {
 #[serde(try_from = "String")]
 pub enum GlobalIllumination {
     /// It is gathered at every camera sample.
-    Exact,
+    PathTraced,
     /// It is worked out once for the whole camera path, and looked up.
-    Path,
+    Cached,
 }
 
 impl FromStr for GlobalIllumination {
@@ -71,9 +71,9 @@ impl FromStr for GlobalIllumination {
 
     fn from_str(name: &str) -> Result<GlobalIllumination, String> {
         match name {
-            "exact" => Ok(GlobalIllumination::Exact),
-            "path" => Ok(GlobalIllumination::Path),
-            _ => Err(format!("\"{name}\" is neither exact nor path")),
+            "path-traced" => Ok(GlobalIllumination::PathTraced),
+            "cached" => Ok(GlobalIllumination::Cached),
+            _ => Err(format!("\"{name}\" is neither path-traced nor cached")),
         }
     }
 }
@@ -238,7 +238,7 @@ impl Settings {
                 message: format!("{mode} has no noise to be made less; choose a montecarlo mode"),
             });
         }
-        if self.gi == Some(GlobalIllumination::Path) {
+        if self.gi == Some(GlobalIllumination::Cached) {
             let wrong = |message: String| SettingsError { key: "gi", message };
             if !by_chance {
                 return Err(wrong(format!(
@@ -258,9 +258,9 @@ impl Settings {
         );
         self.gi
             .unwrap_or(if gathers && frames > 1 && self.splits.is_none() {
-                GlobalIllumination::Path
+                GlobalIllumination::Cached
             } else {
-                GlobalIllumination::Exact
+                GlobalIllumination::PathTraced
             })
     }
 
@@ -334,7 +334,7 @@ mod tests {
 
     #[test]
     fn sequences_look_light_up_unless_something_else_is_said() {
-        use GlobalIllumination::{Exact, Path};
+        use GlobalIllumination::{Cached, PathTraced};
         let known = |mode: Mode, splits: Option<Vec<u32>>, gi, frames| {
             let settings = Settings {
                 mode: Some(mode),
@@ -344,13 +344,16 @@ mod tests {
             };
             settings.global_illumination(frames)
         };
-        assert_eq!(known(Mode::Montecarlo, None, None, 2), Path);
-        assert_eq!(known(Mode::MontecarloSupersampling, None, None, 2), Path);
-        assert_eq!(known(Mode::Montecarlo, None, None, 1), Exact);
-        assert_eq!(known(Mode::Montecarlo, Some(vec![8]), None, 2), Exact);
-        assert_eq!(known(Mode::Supersampling, None, None, 2), Exact);
-        assert_eq!(known(Mode::Montecarlo, None, Some(Exact), 2), Exact);
-        assert_eq!(known(Mode::Montecarlo, None, Some(Path), 1), Path);
+        assert_eq!(known(Mode::Montecarlo, None, None, 2), Cached);
+        assert_eq!(known(Mode::MontecarloSupersampling, None, None, 2), Cached);
+        assert_eq!(known(Mode::Montecarlo, None, None, 1), PathTraced);
+        assert_eq!(known(Mode::Montecarlo, Some(vec![8]), None, 2), PathTraced);
+        assert_eq!(known(Mode::Supersampling, None, None, 2), PathTraced);
+        assert_eq!(
+            known(Mode::Montecarlo, None, Some(PathTraced), 2),
+            PathTraced
+        );
+        assert_eq!(known(Mode::Montecarlo, None, Some(Cached), 1), Cached);
     }
 
     #[test]
@@ -362,13 +365,16 @@ mod tests {
             bounces: Some(7),
             splits: Some(vec![8]),
             target_error: Some(0.01),
-            gi: Some(GlobalIllumination::Path),
+            gi: Some(GlobalIllumination::Cached),
             exposure: Some(1.0),
             ..Settings::default()
         };
         let preview = settings.preview();
         assert_eq!(preview.check_together(), Ok(()));
-        assert_eq!(preview.global_illumination(99), GlobalIllumination::Exact);
+        assert_eq!(
+            preview.global_illumination(99),
+            GlobalIllumination::PathTraced
+        );
         let expected = RenderSettings {
             white: 0.5,
             ..RenderSettings::new(Integrator::RayTracing { bounces: 7 }, 320, 1280)
@@ -391,7 +397,7 @@ mod tests {
     #[test]
     fn refuses_settings_that_do_not_go_together() {
         let path = Settings {
-            gi: Some(GlobalIllumination::Path),
+            gi: Some(GlobalIllumination::Cached),
             ..Settings::default()
         };
         let refused = |settings: &Settings| settings.check_together().err().map(|e| e.key);

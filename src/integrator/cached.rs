@@ -2,7 +2,7 @@ use super::gather::{GatherPoint, gather_for};
 use super::ray_tracing::Step;
 use super::{CameraSample, ambient};
 use crate::accel::Traversal;
-use crate::illumination::Illumination;
+use crate::irradiance_cache::IrradianceCache;
 use crate::material::Features;
 use crate::scene::{Scene, Surface};
 use glam::Vec3;
@@ -13,7 +13,7 @@ const UNKNOWN_PATHS: u32 = 16;
 /// Indirect light that is looked up.
 pub(super) struct Cached<'a> {
     pub(super) scene: &'a Scene,
-    pub(super) illumination: &'a Illumination,
+    pub(super) illumination: &'a IrradianceCache,
     pub(super) samples: &'a [CameraSample],
 }
 

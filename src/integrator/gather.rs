@@ -2,7 +2,7 @@ use super::for_each_feature_set;
 use super::monte_carlo::Estimator;
 use super::path::{Choice, Path};
 use crate::accel::{Point, Traversal};
-use crate::illumination::SecondaryLight;
+use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::{FeatureSet, Features, Reflectance};
 use crate::math::Ray;
 use crate::sampling::Sequence;
@@ -31,7 +31,7 @@ pub fn gather(
     points: &[GatherPoint],
     left: u32,
     paths: u32,
-    known: Option<&SecondaryLight>,
+    known: Option<&SecondaryIrradiance>,
     traversal: &mut Traversal,
 ) -> Vec<Vec3> {
     GATHER[scene.features().number()](scene, points, left, paths, known, traversal)
@@ -43,7 +43,7 @@ pub(super) fn gather_for<F: Features>(
     points: &[GatherPoint],
     left: u32,
     paths: u32,
-    known: Option<&SecondaryLight>,
+    known: Option<&SecondaryIrradiance>,
     traversal: &mut Traversal,
 ) -> Vec<Vec3> {
     /// Sends back all that it gathers.
@@ -84,6 +84,6 @@ pub(super) fn gather_for<F: Features>(
 }
 
 type GatherFor =
-    fn(&Scene, &[GatherPoint], u32, u32, Option<&SecondaryLight>, &mut Traversal) -> Vec<Vec3>;
+    fn(&Scene, &[GatherPoint], u32, u32, Option<&SecondaryIrradiance>, &mut Traversal) -> Vec<Vec3>;
 
 static GATHER: [GatherFor; FeatureSet::COUNT] = for_each_feature_set!(gather_for);

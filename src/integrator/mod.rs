@@ -13,7 +13,7 @@ mod seen;
 
 use crate::accel::Traversal;
 use crate::geometry::Hit;
-use crate::illumination::Illumination;
+use crate::irradiance_cache::IrradianceCache;
 use crate::material::{FeatureSet, Features, mirror};
 use crate::math::Ray;
 use crate::sampling::Sequence;
@@ -70,7 +70,7 @@ pub enum Integrator {
     /// The same, with what is gathered at the surfaces that the camera sees, itself and in mirrors, looked up.
     Cached {
         /// Of the scene. It knows how many bounces are counted.
-        illumination: Arc<Illumination>,
+        illumination: Arc<IrradianceCache>,
     },
 }
 

@@ -2,7 +2,7 @@ use super::direct::{Lit, direct_of_wave};
 use super::path::{Choice, Path};
 use super::{CameraSample, ambient, reflect, surfaces};
 use crate::accel::Traversal;
-use crate::illumination::SecondaryLight;
+use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::Features;
 use crate::math::{Ray, to_world};
 use crate::sampling::{Dealt, cosine_hemisphere};
@@ -67,7 +67,7 @@ pub(super) struct Estimator<'a, F> {
     pub(super) bounces: u32,
     pub(super) splits: &'a [u32],
     /// The light that is gathered beyond the first diffuse bounce, as far as it is known already.
-    pub(super) known: Option<&'a SecondaryLight>,
+    pub(super) known: Option<&'a SecondaryIrradiance>,
     pub(super) traversal: &'a mut Traversal,
     pub(super) features: PhantomData<F>,
 }

@@ -81,7 +81,7 @@ pub(super) fn render_watched(
     if watch.is_stopped() {
         return None;
     }
-    let light_error = settings.light_errors.get(frame as usize).copied();
+    let light_error = settings.cache_errors.get(frame as usize).copied();
     if sampler.halves == 1 {
         let film = develop(settings, estimates.values);
         return Some(RenderedFrame {

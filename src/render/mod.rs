@@ -5,10 +5,10 @@
 //! number of threads. Knows nothing of file formats, folders or terminals.
 
 mod allocation;
+mod cache_errors;
 mod flicker;
 mod frame;
 mod grid;
-mod light_errors;
 mod noise;
 mod pixels;
 mod reprojection;
@@ -17,9 +17,9 @@ mod sequence;
 mod settings;
 mod watch;
 
+pub use cache_errors::cache_errors;
 pub use flicker::Flicker;
 pub use frame::{RenderedFrame, frame_memory, render_frame, tile_count};
-pub use light_errors::light_errors;
 pub use noise::ErrorEstimate;
 pub use pixels::render_pixels;
 pub use reprojection::{Match, Reprojection, TILE};

@@ -1,6 +1,6 @@
 use super::ErrorEstimate;
-use crate::illumination::Illumination;
 use crate::integrator::Integrator;
+use crate::irradiance_cache::IrradianceCache;
 use std::sync::Arc;
 
 /// Everything beside scene and camera that decides a frame.
@@ -26,7 +26,7 @@ pub struct RenderSettings {
     /// own estimate, is below this; above 0. Frames without chance take no notice.
     pub target_error: Option<f64>,
     /// How far off the light is that is looked up, frame by frame of the path; of no frame if none is.
-    pub light_errors: Arc<[ErrorEstimate]>,
+    pub cache_errors: Arc<[ErrorEstimate]>,
 }
 
 /// Where in a pixel its camera samples lie. Their mean is the pixel (box filter).
@@ -68,12 +68,12 @@ impl RenderSettings {
             lock_seed: false,
             white: 1.0,
             target_error: None,
-            light_errors: [].into(),
+            cache_errors: [].into(),
         }
     }
 
     /// These settings, but that indirect light is looked up.
-    pub fn looking_up(&self, illumination: Arc<Illumination>) -> RenderSettings {
+    pub fn looking_up(&self, illumination: Arc<IrradianceCache>) -> RenderSettings {
         RenderSettings {
             integrator: Integrator::Cached { illumination },
             ..self.clone()

@@ -103,8 +103,8 @@ mod tests {
     #[test]
     fn light_of_the_path_is_advised_with_its_price_and_never_beyond_what_is_measured() {
         let mut all = [
-            measured("path", "--gi path --samples 4", 0.5, 0.02),
-            measured("path", "--gi path --samples 16", 2.0, 0.005),
+            measured("path", "--gi cached --samples 4", 0.5, 0.02),
+            measured("path", "--gi cached --samples 16", 2.0, 0.005),
         ];
         for measured in &mut all {
             measured.bake_seconds = 0.5;

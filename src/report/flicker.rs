@@ -149,7 +149,7 @@ pub(super) fn advice(rows: &[FlickerRow]) -> Vec<String> {
         format!(
             "Flicker with {PATHS} camera samples: {of_path:.1} % with light of the path, {of_direct:.1} % of \
              direct light alone: {}.",
-            verdict("--gi path", path, direct)
+            verdict("--gi cached", path, direct)
         ),
     ]
 }

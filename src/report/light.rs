@@ -18,7 +18,7 @@ pub struct Bake {
     pub cpu_seconds: f64,
     /// The frames that share it: all of the path.
     pub frames: u32,
-    /// Places that the camera sees, and places beyond.
+    /// IrradianceRecords that the camera sees, and places beyond.
     pub places: [usize; 2],
     /// Bytes that the light takes.
     pub bytes: usize,
@@ -74,7 +74,7 @@ impl PathLight {
     pub(super) fn looked_up(&self, settings: RenderSettings) -> RenderSettings {
         RenderSettings {
             integrator: self.looking_up.integrator.clone(),
-            light_errors: self.looking_up.light_errors.clone(),
+            cache_errors: self.looking_up.cache_errors.clone(),
             ..settings
         }
     }

@@ -29,11 +29,11 @@ use light::PathLight;
 use progress::Progress;
 
 use crate::camera::{Camera, CameraPath};
-use crate::chart::{Chart, ChartError};
+use crate::drawing::chart::{Chart, ChartError};
 use crate::input::Settings;
 use crate::metrics::Reference;
-use crate::output::{try_out, write_whole};
 use crate::scene::Scene;
+use crate::storage::{check_writable, write_atomic};
 use serde::Serialize;
 use std::fs;
 use std::io;
@@ -187,12 +187,12 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
     let mut progress = Progress::new(inputs, &techniques, listener);
     let write = |name: &str, bytes: &[u8]| {
         let file = inputs.folder.join(name);
-        write_whole(&file, bytes).map_err(|source| ReportError::file(&file, source))
+        write_atomic(&file, bytes).map_err(|source| ReportError::file(&file, source))
     };
     let strips = inputs.folder.join("strips");
     fs::create_dir_all(&strips).map_err(|source| ReportError::file(&strips, source))?;
     let written_last = inputs.folder.join("report.md");
-    try_out(&written_last).map_err(|source| ReportError::file(&written_last, source))?;
+    check_writable(&written_last).map_err(|source| ReportError::file(&written_last, source))?;
 
     let usual_references = reference::references(inputs, false, &mut progress)?;
     let tiny_references = reference::references(inputs, true, &mut progress)?;

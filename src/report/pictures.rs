@@ -1,5 +1,5 @@
 use super::{FlickerRow, Inputs, Measurement, ReportError, flicker};
-use crate::chart::{Axis, Chart, Point, Series};
+use crate::drawing::chart::{Axis, Chart, Point, Series};
 use crate::film::Film;
 use crate::metrics::{Reference, heat_map, relative_errors};
 use image::{ImageFormat, RgbImage};

@@ -1,8 +1,9 @@
 use super::{Inputs, Progress, ReferenceRow, ReportError, TINY};
+use crate::frames::{decode_exr, encode_exr, note_of_exr};
 use crate::input::{LEAST_TARGET_ERROR, Mode, Settings};
 use crate::metrics::Reference;
-use crate::output::{decode_exr, encode_exr, note_of_exr, write_whole};
 use crate::render::{RenderSettings, render_frame};
+use crate::storage::write_atomic;
 use std::fs;
 
 /// Its numbers have nothing in common with those of what is measured.
@@ -67,7 +68,7 @@ fn reference(
     let halves = rendered.halves();
     for (file, half) in files.iter().zip(&halves) {
         let kept = fs::create_dir_all(&folder)
-            .and_then(|()| write_whole(file, &encode_exr(half, &fingerprint)?));
+            .and_then(|()| write_atomic(file, &encode_exr(half, &fingerprint)?));
         kept.map_err(|source| ReportError::file(file, source))?;
     }
     let [a, b] = halves;

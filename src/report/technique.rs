@@ -30,7 +30,7 @@ pub fn techniques() -> Vec<Technique> {
                 mode: Some(mode),
                 samples: *samples,
                 splits: (!splits.is_empty()).then(|| splits.to_vec()),
-                gi: Some(GlobalIllumination::Exact),
+                gi: Some(GlobalIllumination::PathTraced),
                 ..Settings::default()
             },
             repeats: 1,
@@ -46,7 +46,7 @@ pub fn techniques() -> Vec<Technique> {
             samples: Some(4),
             splits: Some(vec![2]),
             target_error: Some(target),
-            gi: Some(GlobalIllumination::Exact),
+            gi: Some(GlobalIllumination::PathTraced),
             ..Settings::default()
         },
         repeats: 1,
@@ -65,7 +65,7 @@ pub fn techniques() -> Vec<Technique> {
     );
     let path = path.into_iter().map(|technique| Technique {
         settings: Settings {
-            gi: Some(GlobalIllumination::Path),
+            gi: Some(GlobalIllumination::Cached),
             ..technique.settings
         },
         ..technique
@@ -163,8 +163,8 @@ impl Technique {
         if let Some(target) = target_error {
             flags += &format!(" --target-error {target}");
         }
-        if *gi == Some(GlobalIllumination::Path) {
-            flags += " --gi path";
+        if *gi == Some(GlobalIllumination::Cached) {
+            flags += " --gi cached";
         }
         if self.repeats > 1 {
             flags += &format!(", the mean of {} seeds", self.repeats);
@@ -174,7 +174,7 @@ impl Technique {
 
     /// Whether it looks up the light of the path.
     pub(super) fn looks_up(&self) -> bool {
-        self.settings.gi == Some(GlobalIllumination::Path)
+        self.settings.gi == Some(GlobalIllumination::Cached)
     }
 
     /// Whether `--target-error` can be added to the flags and more samples will do: they leave the error of
@@ -224,11 +224,15 @@ mod tests {
     fn samples_are_added_where_paths_are_gathered() {
         for technique in techniques() {
             let flags = technique.flags();
-            let gathers = flags.contains("montecarlo") && !flags.contains("--gi path");
+            let gathers = flags.contains("montecarlo") && !flags.contains("--gi cached");
             let has_target = flags.contains("--target-error");
             let falls = technique.falls_with_samples();
             assert_eq!(falls, gathers && !has_target, "{flags}");
-            assert_eq!(technique.looks_up(), flags.contains("--gi path"), "{flags}");
+            assert_eq!(
+                technique.looks_up(),
+                flags.contains("--gi cached"),
+                "{flags}"
+            );
         }
     }
 
@@ -243,7 +247,7 @@ mod tests {
             ),
             (
                 "montecarlo, light of the path",
-                "--mode montecarlo --samples 64 --gi path",
+                "--mode montecarlo --samples 64 --gi cached",
             ),
             (
                 "montecarlo, to a target error",

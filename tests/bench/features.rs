@@ -9,8 +9,9 @@
     reason = "a benchmark prints or fails"
 )]
 
+use flythrough::camera_formats::load_camera_path;
 use flythrough::film::Film;
-use flythrough::input::{InputFiles, Settings, load_camera_path, load_scene};
+use flythrough::input::{InputFiles, Settings, load_scene};
 use flythrough::render::render_frame;
 use flythrough::scene::Scene;
 use std::path::Path;

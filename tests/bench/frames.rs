@@ -11,7 +11,8 @@
 
 use flythrough::accel::{PACKET, Points, Sight, Traversal};
 use flythrough::camera::Camera;
-use flythrough::input::{InputFiles, Settings, load_camera_path, load_scene};
+use flythrough::camera_formats::load_camera_path;
+use flythrough::input::{InputFiles, Settings, load_scene};
 use flythrough::material::Only;
 use flythrough::math::Ray;
 use flythrough::render::{RenderSettings, render_frame};

@@ -10,12 +10,13 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::bake::LightCache;
-use flythrough::input::{InputFiles, Mode, Settings, load_camera_path, load_scene};
+use flythrough::bake::BakeState;
+use flythrough::camera_formats::load_camera_path;
+use flythrough::input::{InputFiles, Mode, Settings, load_scene};
 use flythrough::integrator::Integrator;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
 use flythrough::render::{
-    PixelSampling, RenderSettings, light_errors, render_frame, render_pixels,
+    PixelSampling, RenderSettings, cache_errors, render_frame, render_pixels,
 };
 use flythrough::sampling::Random;
 use std::path::Path;
@@ -60,7 +61,7 @@ fn main() {
     };
 
     let start = Instant::now();
-    let mut cache = LightCache::new(&scene, bounces, exact.seed, 0);
+    let mut cache = BakeState::new(&scene, bounces, exact.seed, 0);
     let size = (exact.width, exact.height);
     cache.extend(&scene, &path, "path", size, &|_, _| ());
     let illumination = Arc::new(cache.illumination());
@@ -114,7 +115,7 @@ fn main() {
 
     let exposure = given.exposure.unwrap_or(0.0);
     let mut random = Random::new(5);
-    let said = light_errors(&scene, &path, &cached);
+    let said = cache_errors(&scene, &path, &cached);
     let (mut everywhere, mut places) = (Vec::new(), Vec::new());
     let mut honest = 0;
     for &frame in &frames {

@@ -6,7 +6,8 @@ pub(crate) mod project;
 pub(crate) mod statistics;
 
 use flythrough::camera::{Camera, CameraPath};
-use flythrough::input::{InputFiles, load_camera_path, load_scene};
+use flythrough::camera_formats::load_camera_path;
+use flythrough::input::{InputFiles, load_scene};
 use flythrough::integrator::Integrator;
 use flythrough::render::{RenderSettings, render_frame};
 use flythrough::scene::Scene;

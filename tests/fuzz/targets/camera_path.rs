@@ -1,7 +1,9 @@
 #![no_main]
 //! The bytes are a camera path file: of those that are accepted the camera of every frame is one.
 
-use flythrough::input::{InputFiles, load_camera_path};
+use flythrough::input::InputFiles;
+
+use flythrough::camera_formats::load_camera_path;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let file = flythrough_fuzz::file("p.ron", bytes);

@@ -3,8 +3,9 @@
 //! file that is made of them has the same.
 
 use flythrough::camera::FrameCameras;
-use flythrough::input::{InputFiles, import_cameras, load_camera_path};
-use flythrough::output::camera_path_file;
+use flythrough::input::InputFiles;
+use flythrough::camera_formats::{import_cameras, load_camera_path};
+use flythrough::camera_formats::camera_path_file;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let file = flythrough_fuzz::file("cameras", bytes);

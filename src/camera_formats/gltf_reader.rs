@@ -1,0 +1,254 @@
+//! Animated cameras of glTF files, as Blender exports them: `.gltf` and `.glb`.
+//!
+//! Everything but nodes, cameras and what moves them is passed over, whatever extensions it needs.
+
+use super::gltf_buffers::GltfBuffers;
+use super::gltf_nodes::{GltfNodes, Pointed, gltf_nodes};
+use super::gltf_sampler::GltfSampler;
+use super::ron_reader::MOST_FRAMES;
+use crate::camera::{Camera, FrameCameras, Timeline};
+use crate::input::InputError;
+use crate::input::check::Checker;
+use glam::{DMat4, DQuat, DVec3, DVec4};
+use gltf::animation::Property;
+use gltf::camera::Projection;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// A node of the chain from the scene's root to the camera.
+struct Link {
+    /// Its place in its parent, where nothing moves it.
+    rest: DMat4,
+    /// Translation, rotation and scale at rest, and what moves them.
+    parts: [(DVec4, Option<GltfSampler>); 3],
+}
+
+/// The cameras of a file's bytes, so many in a second, from the first key of what moves the camera to the last. Of
+/// several cameras the one of that name, else the only one that is animated.
+pub(super) fn parse(
+    file: &Path,
+    bytes: &[u8],
+    fps: f64,
+    name: Option<&str>,
+) -> Result<FrameCameras, InputError> {
+    let check = Checker { file };
+    let GltfNodes {
+        text,
+        blob,
+        pointed,
+    } = gltf_nodes(file, bytes)?;
+    let document = match gltf::Gltf::from_slice(&text) {
+        Ok(gltf) => gltf.document,
+        Err(error) => return check.refuse("glTF", error.to_string()),
+    };
+    let (node, camera) = choose(check, &document, &pointed, name)?;
+    let Projection::Perspective(perspective) = camera.projection() else {
+        return check.refuse(
+            "cameras",
+            "is orthographic; only perspective can be rendered",
+        );
+    };
+    let mut buffers = GltfBuffers::new(file, blob);
+    let chain = chain(check, &document, &node)?;
+    let mut links = Vec::new();
+    for node in &chain {
+        links.push(Link::read(&document, node, &mut buffers)?);
+    }
+    let mut zoom = None;
+    for pointed in pointed.iter().filter(|p| p.camera == camera.index()) {
+        let name = format!(
+            "animations[{}].samplers[{}]",
+            pointed.animation, pointed.sampler
+        );
+        let animation = document.animations().nth(pointed.animation);
+        let sampler = animation.and_then(|animation| animation.samplers().nth(pointed.sampler));
+        let Some(sampler) = sampler else {
+            return check.refuse(&name, "is missing");
+        };
+        let read = GltfSampler::read(&sampler, &name, 1, &mut buffers)?;
+        if zoom.replace(read).is_some() {
+            return check.refuse(
+                &name,
+                "moves what another animation moves; keep one of them",
+            );
+        }
+    }
+
+    let moving = links.iter().flat_map(|link| &link.parts);
+    let moving = moving.filter_map(|(_, sampler)| sampler.as_ref());
+    let samplers = moving.chain(&zoom);
+    let spans = samplers.clone().map(GltfSampler::span);
+    let span = spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
+    let [start, end] = span.unwrap_or([0.0, 0.0]);
+    if (end - start) * fps > f64::from(MOST_FRAMES) {
+        return check.refuse("animations", format!("give more than {MOST_FRAMES} frames"));
+    }
+    let timeline = Timeline::of_whole_frames(fps, start, end);
+    let frame = |frame: u32| {
+        let time = timeline.time_of(frame);
+        let fov = match &zoom {
+            Some(sampler) => sampler.at(time).x,
+            None => perspective.yfov().into(),
+        };
+        let place = links
+            .iter()
+            .fold(DMat4::IDENTITY, |place, link| place * link.at(time));
+        camera_of(check, place, fov, time)
+    };
+    let samplers: Vec<&GltfSampler> = samplers.collect();
+    let is_cut = |frame: &u32| {
+        let [time, next] = [*frame, frame + 1].map(|frame| timeline.time_of(frame));
+        samplers.iter().any(|sampler| sampler.jumps(time, next))
+    };
+    let count = timeline.frame_count();
+    let cuts = (0..count - 1).filter(is_cut);
+    Ok(FrameCameras {
+        fps,
+        start: timeline.start,
+        cuts: cuts.map(|frame| frame as usize).collect(),
+        cameras: (0..count).map(frame).collect::<Result<_, _>>()?,
+    })
+}
+
+/// The node of the camera to be imported.
+fn choose<'a>(
+    check: Checker,
+    document: &'a gltf::Document,
+    pointed: &[Pointed],
+    name: Option<&str>,
+) -> Result<(gltf::Node<'a>, gltf::Camera<'a>), InputError> {
+    let cameras = document
+        .nodes()
+        .filter_map(|node| Some((node.clone(), node.camera()?)));
+    let mut cameras: Vec<_> = cameras.collect();
+    let named = |(node, camera): &(gltf::Node, gltf::Camera)| {
+        let name = node.name().or(camera.name()).unwrap_or_default();
+        format!("\"{name}\"")
+    };
+    let names: Vec<String> = cameras.iter().map(named).collect();
+    let names = names.join(", ");
+    if cameras.is_empty() {
+        return check.refuse("cameras", "there is none; export the camera, too");
+    }
+    if let Some(wanted) = name {
+        cameras.retain(|(node, camera)| [node.name(), camera.name()].contains(&Some(wanted)));
+    } else if cameras.len() > 1 {
+        let is_moved = |(node, camera): &(gltf::Node, gltf::Camera)| {
+            let chain = chain(check, document, node).unwrap_or_default();
+            let channels = document
+                .animations()
+                .flat_map(|animation| animation.channels());
+            let mut targets = channels.map(|channel| channel.target().node().index());
+            targets.any(|target| chain.iter().any(|node| node.index() == target))
+                || pointed
+                    .iter()
+                    .any(|pointed| pointed.camera == camera.index())
+        };
+        cameras.retain(is_moved);
+    }
+    match cameras.len() {
+        1 => Ok(cameras.remove(0)),
+        _ => check.refuse("cameras", format!("choose one by --camera: {names}")),
+    }
+}
+
+/// The nodes from the scene's root to this one.
+fn chain<'a>(
+    check: Checker,
+    document: &'a gltf::Document,
+    node: &gltf::Node<'a>,
+) -> Result<Vec<gltf::Node<'a>>, InputError> {
+    let parents = document.nodes().flat_map(|parent| {
+        let children: Vec<usize> = parent.children().map(|child| child.index()).collect();
+        children
+            .into_iter()
+            .map(move |child| (child, parent.clone()))
+    });
+    let parents: BTreeMap<usize, gltf::Node> = parents.collect();
+    let mut chain = vec![node.clone()];
+    while let Some(parent) = parents.get(&chain[chain.len() - 1].index()) {
+        if chain.len() > parents.len() {
+            return check.refuse("nodes", "a node is its own ancestor");
+        }
+        chain.push(parent.clone());
+    }
+    chain.reverse();
+    Ok(chain)
+}
+
+impl Link {
+    fn read(
+        document: &gltf::Document,
+        node: &gltf::Node,
+        buffers: &mut GltfBuffers,
+    ) -> Result<Link, InputError> {
+        let rest = node.transform();
+        let (translation, rotation, scale) = rest.clone().decomposed();
+        let vector = |[x, y, z]: [f32; 3]| DVec3::new(x.into(), y.into(), z.into()).extend(0.0);
+        let mut parts = [
+            (vector(translation), None),
+            (DVec4::from_array(rotation.map(f64::from)), None),
+            (vector(scale), None),
+        ];
+        for animation in document.animations() {
+            for channel in animation.channels() {
+                let target = channel.target();
+                if target.node().index() != node.index() {
+                    continue;
+                }
+                let (part, components) = match target.property() {
+                    Property::Translation => (0, 3),
+                    Property::Rotation => (1, 4),
+                    Property::Scale => (2, 3),
+                    Property::MorphTargetWeights => continue,
+                };
+                let sampler = channel.sampler();
+                let name = format!(
+                    "animations[{}].samplers[{}]",
+                    animation.index(),
+                    sampler.index()
+                );
+                let read = GltfSampler::read(&sampler, &name, components, buffers)?;
+                if parts[part].1.replace(read).is_some() {
+                    let node = node.name().unwrap_or_default();
+                    let message = format!("moves \"{node}\" as another does; keep one of them");
+                    return buffers.refuse(&name, message);
+                }
+            }
+        }
+        let matrix = DMat4::from_cols_array_2d(&rest.matrix().map(|column| column.map(f64::from)));
+        Ok(Link {
+            rest: matrix,
+            parts,
+        })
+    }
+
+    /// Its place in its parent at a time.
+    fn at(&self, time: f64) -> DMat4 {
+        if self.parts.iter().all(|(_, sampler)| sampler.is_none()) {
+            return self.rest;
+        }
+        let [translation, rotation, scale] = [0, 1, 2].map(|i| match &self.parts[i] {
+            (_, Some(sampler)) => sampler.at(time),
+            (rest, None) => *rest,
+        });
+        let rotation = DQuat::from_vec4(rotation.normalize_or(DVec4::W));
+        DMat4::from_scale_rotation_translation(scale.truncate(), rotation, translation.truncate())
+    }
+}
+
+/// The camera at a place in the scene: it does not know of scales.
+fn camera_of(check: Checker, place: DMat4, fov: f64, time: f64) -> Result<Camera, InputError> {
+    let [up, backward, position] =
+        [place.y_axis, place.z_axis, place.w_axis].map(|axis| axis.truncate());
+    if !(fov > 0.0 && fov < std::f64::consts::PI) {
+        let message = format!("{fov} at {time} s; a field of view lies between 0 and pi");
+        return check.refuse("yfov", message);
+    }
+    let spans = up.cross(backward).dot(place.x_axis.truncate());
+    if !(spans > 0.0 && position.is_finite()) {
+        let message = format!("the camera is mirrored or without size at {time} s");
+        return check.refuse("nodes", message);
+    }
+    Ok(Camera::from_axes(position, backward, up, fov))
+}

@@ -1,0 +1,382 @@
+//! Line charts, as the text of an SVG file and as the bytes of a PNG file of the same picture.
+
+use crate::drawing::svg;
+use plotters::coord::Shift;
+use plotters::coord::ranged1d::{Ranged, ValueFormatter};
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::error::Error;
+use std::ops::Range;
+use thiserror::Error;
+
+/// What is drawn.
+///
+/// The axes span the values that can be drawn. What cannot is left out: numbers that are not finite and, on a
+/// logarithmic axis, 0 and what is below it.
+#[derive(Clone, Debug)]
+pub struct Chart {
+    /// Stands above.
+    pub title: String,
+    /// Grows to the right.
+    pub x: Axis,
+    /// Grows upwards.
+    pub y: Axis,
+    /// What is shown, in the order of the legend.
+    pub series: Vec<Series>,
+    /// Values of y that all series are held against.
+    pub guides: Vec<f64>,
+    /// Columns and rows, in pixels.
+    pub size: (u32, u32),
+}
+
+/// What one direction means.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// The quantity, with its unit.
+    pub label: String,
+    /// Whether equal factors are equal distances, rather than equal differences.
+    pub logarithmic: bool,
+}
+
+/// Points that belong together, joined by a line in their order.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// Stands in the legend; empty for none.
+    pub name: String,
+    /// What is joined.
+    pub points: Vec<Point>,
+}
+
+/// A value of y at a value of x, and what holds it.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// To the right.
+    pub x: f64,
+    /// Upwards.
+    pub y: f64,
+    /// The least that y may be.
+    pub low: f64,
+    /// The most that y may be.
+    pub high: f64,
+}
+
+/// A chart that cannot be drawn.
+#[derive(Debug, Error)]
+#[error("chart \"{title}\": {source}")]
+pub struct ChartError {
+    title: String,
+    source: Box<dyn Error + Send + Sync>,
+}
+
+/// Colours that also those who see fewer can tell apart (Okabe and Ito 2002), but for yellow.
+pub const COLORS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(86, 180, 233),
+    RGBColor(230, 159, 0),
+    RGBColor(60, 60, 60),
+];
+
+/// Beyond so many points the line alone is shown, in the band of what holds it.
+const MOST_MARKS: usize = 40;
+
+/// What all text is written in.
+pub const FONT: &str = "sans-serif";
+
+type Drawn = Result<(), Box<dyn Error>>;
+
+impl Chart {
+    /// The text of an SVG file.
+    pub fn to_svg(&self) -> Result<String, ChartError> {
+        let mut svg = String::new();
+        let root = SVGBackend::with_string(&mut svg, self.size).into_drawing_area();
+        let drawn = self.draw(&root).and_then(|()| Ok(root.present()?));
+        drop(root);
+        drawn.map_err(|error| self.failed(error.to_string()))?;
+        Ok(svg)
+    }
+
+    /// The bytes of a PNG file.
+    pub fn to_png(&self) -> Result<Vec<u8>, ChartError> {
+        let pixels = svg::pixels(&self.to_svg()?).map_err(|error| self.failed(error))?;
+        pixels.encode_png().map_err(|error| self.failed(error))
+    }
+
+    fn failed(&self, source: impl Into<Box<dyn Error + Send + Sync>>) -> ChartError {
+        ChartError {
+            title: self.title.clone(),
+            source: source.into(),
+        }
+    }
+
+    fn draw(&self, root: &DrawingArea<SVGBackend, Shift>) -> Drawn {
+        root.fill(&WHITE)?;
+        let points = self.series.iter().flat_map(|series| &series.points);
+        let drawn = points.filter_map(|point| self.fitting(point));
+        let x = range(drawn.clone().map(|point| point.x), &self.x);
+        let values = drawn.flat_map(|point| [point.low, point.y, point.high]);
+        let y = range(values.chain(self.guides.iter().copied()), &self.y);
+        // Beside the plot, where it covers nothing.
+        let names = self.series.iter().map(|series| series.name.len());
+        let legend_width = match names.max() {
+            None | Some(0) => 8,
+            Some(letters) => 44 + 7 * letters as u32,
+        };
+        let (plot, legend) = root.split_horizontally(self.size.0.saturating_sub(legend_width));
+        self.legend(&legend)?;
+        let mut builder = ChartBuilder::on(&plot);
+        builder
+            .caption(&self.title, (FONT, 18))
+            .margin(8)
+            .set_label_area_size(LabelAreaPosition::Left, 64)
+            .set_label_area_size(LabelAreaPosition::Bottom, 40);
+        match (self.x.logarithmic, self.y.logarithmic) {
+            (true, true) => self.plot(builder.build_cartesian_2d(x.log_scale(), y.log_scale())?),
+            (false, true) => self.plot(builder.build_cartesian_2d(x, y.log_scale())?),
+            (true, false) => self.plot(builder.build_cartesian_2d(x.log_scale(), y)?),
+            (false, false) => self.plot(builder.build_cartesian_2d(x, y)?),
+        }
+    }
+
+    fn plot<X, Y>(&self, mut chart: ChartContext<SVGBackend, Cartesian2d<X, Y>>) -> Drawn
+    where
+        X: Ranged<ValueType = f64> + ValueFormatter<f64>,
+        Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
+    {
+        let small = (FONT, 13);
+        chart
+            .configure_mesh()
+            .x_desc(&self.x.label)
+            .y_desc(&self.y.label)
+            .label_style(small)
+            .axis_desc_style(small)
+            .bold_line_style(BLACK.mix(0.15))
+            .light_line_style(BLACK.mix(0.05))
+            .x_label_formatter(&|value| label(*value))
+            .y_label_formatter(&|value| label(*value))
+            .draw()?;
+        let ends = chart.x_range();
+        for &y in &self.guides {
+            let ends = [(ends.start, y), (ends.end, y)];
+            chart.draw_series(DashedLineSeries::new(
+                ends,
+                6,
+                4,
+                BLACK.mix(0.5).stroke_width(1),
+            ))?;
+        }
+        for (number, series) in self.series.iter().enumerate() {
+            let color = COLORS[number % COLORS.len()];
+            let points = series.points.iter().filter_map(|point| self.fitting(point));
+            let points: Vec<Point> = points.collect();
+            let line = points.iter().map(|point| (point.x, point.y));
+            if points.len() > MOST_MARKS {
+                let band = points.iter().map(|point| (point.x, point.high));
+                let back = points.iter().rev().map(|point| (point.x, point.low));
+                let band: Vec<(f64, f64)> = band.chain(back).collect();
+                chart.draw_series([Polygon::new(band, color.mix(0.25))])?;
+            } else {
+                chart.draw_series(points.iter().map(|point| {
+                    let ends = vec![(point.x, point.low), (point.x, point.high)];
+                    PathElement::new(ends, color.stroke_width(2))
+                }))?;
+                chart.draw_series(line.clone().map(|at| mark(number, at)))?;
+            }
+            chart.draw_series(LineSeries::new(line, color.stroke_width(1)))?;
+        }
+        Ok(())
+    }
+
+    fn legend<'a>(&self, area: &DrawingArea<SVGBackend<'a>, Shift>) -> Drawn {
+        let style = (FONT, 13)
+            .into_font()
+            .color(&BLACK)
+            .pos(Pos::new(HPos::Left, VPos::Center));
+        let named = self.series.iter().enumerate();
+        for (number, series) in named.filter(|(_, series)| !series.name.is_empty()) {
+            let y = 48 + 20 * number as i32;
+            area.draw(&mark(number, (12, y)))?;
+            area.draw(&Text::new(series.name.as_str(), (24, y), style.clone()))?;
+        }
+        Ok(())
+    }
+
+    /// The point as far as it can be drawn.
+    fn fitting(&self, point: &Point) -> Option<Point> {
+        let fits =
+            |value: f64, axis: &Axis| value.is_finite() && (value > 0.0 || !axis.logarithmic);
+        let end = |value: f64| if fits(value, &self.y) { value } else { point.y };
+        (fits(point.x, &self.x) && fits(point.y, &self.y)).then(|| Point {
+            low: end(point.low),
+            high: end(point.high),
+            ..*point
+        })
+    }
+}
+
+/// The mark of a series: another colour for each, and other shapes once all colours are used.
+fn mark<'a, C: Clone + 'static>(number: usize, at: C) -> DynElement<'static, SVGBackend<'a>, C> {
+    let style = COLORS[number % COLORS.len()].filled();
+    match number / COLORS.len() % 3 {
+        0 => Circle::new(at, 4, style).into_dyn(),
+        1 => TriangleMarker::new(at, 6, style).into_dyn(),
+        _ => Cross::new(at, 4, style.stroke_width(2)).into_dyn(),
+    }
+}
+
+/// What an axis spans, with a margin.
+fn range(values: impl Iterator<Item = f64> + Clone, axis: &Axis) -> Range<f64> {
+    let low = values.clone().fold(f64::INFINITY, f64::min);
+    let high = values.fold(f64::NEG_INFINITY, f64::max);
+    if low > high {
+        return 0.1..1.0;
+    }
+    if axis.logarithmic {
+        let (low, high) = (low / 1.3, high * 1.3);
+        // Only powers of ten have labels: there should be one.
+        let below = 10_f64.powf(low.log10().floor());
+        let has_label = 10.0 * below <= high;
+        return if has_label { low } else { 0.99 * below }..high;
+    }
+    let margin = if high > low { 0.03 * (high - low) } else { 1.0 };
+    low - margin..high + margin
+}
+
+/// A number at an axis, short.
+fn label(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
+        let text = format!("{value:.4}");
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        format!("{value:.0e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chart(logarithmic: bool, series: Vec<Vec<[f64; 4]>>, size: (u32, u32)) -> Chart {
+        let axis = |label: &str| Axis {
+            label: label.to_owned(),
+            logarithmic,
+        };
+        let series = series.into_iter().enumerate().map(|(number, points)| {
+            let points = points.into_iter();
+            Series {
+                name: format!("technique {number}"),
+                points: points
+                    .map(|[x, y, low, high]| Point { x, y, low, high })
+                    .collect(),
+            }
+        });
+        Chart {
+            title: "error & time".to_owned(),
+            x: axis("seconds"),
+            y: axis("relMSE"),
+            series: series.collect(),
+            guides: vec![0.01],
+            size,
+        }
+    }
+
+    /// The places of the marks of the first series.
+    fn marks(svg: &str) -> Vec<[i32; 2]> {
+        let circles = svg
+            .lines()
+            .filter(|line| line.starts_with("<circle") && line.contains("#0072B2"));
+        let number = |line: &str, key: &str| -> i32 {
+            let rest = line.split(&format!("{key}=\"")).nth(1).expect(key);
+            rest.split('"')
+                .next()
+                .and_then(|n| n.parse().ok())
+                .expect("a number")
+        };
+        circles
+            .map(|line| [number(line, "cx"), number(line, "cy")])
+            .collect()
+    }
+
+    #[test]
+    fn equal_factors_are_equal_distances() {
+        let points = [0.001, 0.01, 0.1, 1.0].map(|x| [x, 10.0 * x, 9.0 * x, 11.0 * x]);
+        let svg = chart(true, vec![points.to_vec()], (960, 600))
+            .to_svg()
+            .expect("drawn");
+        assert!(svg::pixels(&svg).is_ok());
+        for text in ["error &amp; time", "seconds", "relMSE", "technique 0"] {
+            assert!(svg.contains(text), "{text}");
+        }
+        // The last is the legend's, or the first.
+        let mut marks = marks(&svg);
+        marks.sort();
+        let steps: Vec<[i32; 2]> = marks
+            .windows(2)
+            .map(|m| [m[1][0] - m[0][0], m[1][1] - m[0][1]])
+            .collect();
+        assert_eq!(marks.len(), 5);
+        for step in &steps[1..3] {
+            assert!(
+                (step[0] - steps[0][0]).abs() <= 1 && (step[1] - steps[0][1]).abs() <= 1,
+                "{steps:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn pictures_have_their_size_and_the_colors_of_all_series() {
+        let many: Vec<[f64; 4]> = (1..100).map(|i| [f64::from(i), 0.2, 0.1, 0.3]).collect();
+        let few = vec![[1.0, 0.4, 0.3, 0.5], [50.0, 0.5, 0.4, 0.6]];
+        let png = chart(false, vec![many, few], (720, 240))
+            .to_png()
+            .expect("drawn");
+        let picture = image::load_from_memory(&png).expect("a PNG").into_rgb8();
+        assert_eq!(picture.dimensions(), (720, 240));
+        for color in &COLORS[..2] {
+            let seen = picture
+                .pixels()
+                .filter(|p| p.0 == [color.0, color.1, color.2]);
+            assert!(seen.count() > 20, "{color:?}");
+        }
+        // Letters: what is darker than any line.
+        assert!(
+            picture
+                .pixels()
+                .filter(|p| p.0[0] < 40 && p.0[1] < 40)
+                .count()
+                > 200
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_left_out() {
+        let nothing = [f64::NAN, 1.0, 1.0, 1.0];
+        for logarithmic in [true, false] {
+            for points in [
+                vec![],
+                vec![nothing],
+                vec![[1.0, 1.0, 1.0, 1.0]],
+                vec![[-1.0, 0.0, -1.0, 1.0], [1.0, 1.0, 0.0, f64::INFINITY]],
+            ] {
+                chart(logarithmic, vec![points], (320, 160))
+                    .to_png()
+                    .expect("drawn");
+            }
+        }
+    }
+
+    #[test]
+    fn labels_are_short() {
+        for (value, expected) in [
+            (0.0, "0"),
+            (0.01, "0.01"),
+            (1.0, "1"),
+            (1e-4, "1e-4"),
+            (250.0, "250"),
+        ] {
+            assert_eq!(label(value), expected);
+        }
+    }
+}

@@ -1,0 +1,363 @@
+use super::format::FrameFormat;
+use super::picture::Picture;
+use super::record::FrameRecord;
+use super::sequence::SequenceRecord;
+use super::verify::{Expected, VerifyError};
+use crate::camera::FrameCameras;
+use crate::camera_formats::camera_table;
+use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
+use crate::storage::{PartFile, check_writable, remove_leftovers, write_atomic};
+use std::collections::HashSet;
+use std::fs::{self, File};
+use std::io;
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+use std::time::SystemTime;
+use thiserror::Error;
+
+/// The file beside the frames that says what they are.
+const PLAN_FILE: &str = "sequence.ron";
+
+/// The file beside the frames that shows some of them.
+const SHEET_FILE: &str = "sheet.png";
+
+/// The file beside the frames that lists their cameras.
+const CAMERAS_FILE: &str = "cameras.jsonl";
+
+/// How the names of all files begin that are written to a folder.
+const OWN_FILES: [&str; 9] = [
+    "frame_",
+    "error_",
+    PLAN_FILE,
+    CAMERAS_FILE,
+    "manifest.ron",
+    "errors.",
+    "quote.ron",
+    "irradiance.cache",
+    SHEET_FILE,
+];
+
+/// Why a folder cannot be used.
+#[derive(Debug, Error)]
+pub enum FolderError {
+    /// The folder cannot be made or written.
+    #[error("{folder}: cannot be written: {source}", folder = .folder.display())]
+    Unwritable {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The folder cannot be read.
+    #[error("{folder}: cannot be read: {source}", folder = .folder.display())]
+    Unreadable {
+        /// The folder.
+        folder: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// It does not say what its frames are to be.
+    #[error(
+        "{file}: {message}: not a folder of frames, or it has lost what they are to be; render the \
+         sequence (again): frames that are there are kept",
+        file = .file.display()
+    )]
+    NoPlan {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// Its frames are those of another version.
+    #[error(
+        "{folder}: its frames are of {theirs}, and this is {ours}: use that, or render them again",
+        folder = .folder.display(), ours = SequenceRecord::program()
+    )]
+    OtherProgram {
+        /// The folder.
+        folder: PathBuf,
+        /// The program and its version.
+        theirs: String,
+    },
+}
+
+/// A folder of numbered frames. A file with a frame's name is a whole frame, or was changed by somebody else: it
+/// was written under another name first.
+#[derive(Debug)]
+pub struct FrameFolder {
+    folder: PathBuf,
+    plan: SequenceRecord,
+    /// Whether frames that are proven are rendered all the same.
+    force: bool,
+    /// Which file said what the frames are to be when the folder was prepared.
+    plan_file: OnceLock<Option<FileIdentity>>,
+}
+
+/// What tells a file from one that is put in its place.
+type FileIdentity = (u64, SystemTime);
+
+/// Where a frame will be kept.
+#[derive(Debug)]
+pub struct Place {
+    picture: PartFile,
+    error_map: Option<PartFile>,
+}
+
+impl FrameFolder {
+    /// A folder that is there or will be, of the frames of a plan.
+    pub fn new(folder: &Path, plan: SequenceRecord, force: bool) -> FrameFolder {
+        FrameFolder {
+            folder: folder.to_owned(),
+            plan,
+            force,
+            plan_file: OnceLock::new(),
+        }
+    }
+
+    /// A folder that is there, of the frames that it says it is of.
+    pub fn open(folder: &Path) -> Result<FrameFolder, FolderError> {
+        let file = folder.join(PLAN_FILE);
+        let text = fs::read_to_string(&file).map_err(|error| error.to_string());
+        let plan = text.and_then(|text| SequenceRecord::from_text(&text));
+        let plan = plan.map_err(|message| FolderError::NoPlan { file, message })?;
+        if plan.program != SequenceRecord::program() {
+            return Err(FolderError::OtherProgram {
+                folder: folder.to_owned(),
+                theirs: plan.program,
+            });
+        }
+        Ok(FrameFolder::new(folder, plan, false))
+    }
+
+    /// Makes the folder, proves that it can be written, writes down what its frames are to be, and removes what
+    /// processes that were killed have left.
+    pub fn prepare(&self) -> Result<(), FolderError> {
+        let prepare = || {
+            fs::create_dir_all(&self.folder)?;
+            remove_leftovers(&self.folder, &OWN_FILES)?;
+            if self.has_its_plan() {
+                return check_writable(&self.folder.join(PLAN_FILE));
+            }
+            let text = self.plan.to_text().map_err(io::Error::other)?;
+            write_atomic(&self.folder.join(PLAN_FILE), text.as_bytes())
+        };
+        prepare().map_err(|source| FolderError::Unwritable {
+            folder: self.folder.clone(),
+            source,
+        })?;
+        self.plan_file.get_or_init(|| self.plan_identity());
+        Ok(())
+    }
+
+    fn plan_identity(&self) -> Option<FileIdentity> {
+        let file = fs::metadata(self.folder.join(PLAN_FILE)).ok()?;
+        Some((file.ino(), file.modified().ok()?))
+    }
+
+    /// Whether somebody else has said, since it was prepared, that the folder is of other frames.
+    fn was_given_another_plan(&self) -> bool {
+        let prepared = self.plan_file.get();
+        prepared.is_some_and(|file| *file != self.plan_identity()) && self.has_another_plan()
+    }
+
+    /// Whether the folder is said to be of the frames of this plan.
+    pub fn has_its_plan(&self) -> bool {
+        let there = self.plan_there();
+        there.is_some_and(|there| there.has_the_frames_of(&self.plan))
+    }
+
+    /// Whether it is said to be of others.
+    pub fn has_another_plan(&self) -> bool {
+        let there = self.plan_there();
+        there.is_some_and(|there| !there.has_the_frames_of(&self.plan))
+    }
+
+    fn plan_there(&self) -> Option<SequenceRecord> {
+        let text = fs::read_to_string(self.folder.join(PLAN_FILE)).ok()?;
+        SequenceRecord::from_text(&text).ok()
+    }
+
+    /// Keeps the table of the frames' cameras beside them, if it is not there.
+    pub fn keep_cameras(&self, cameras: &FrameCameras) -> io::Result<()> {
+        let file = self.folder.join(CAMERAS_FILE);
+        let table = camera_table(cameras)?;
+        match fs::read(&file) {
+            Ok(there) if there == table.as_bytes() => Ok(()),
+            _ => write_atomic(&file, table.as_bytes()),
+        }
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.folder
+    }
+
+    /// What its frames are to be.
+    pub fn plan(&self) -> &SequenceRecord {
+        &self.plan
+    }
+
+    /// The file of a frame.
+    pub fn file_of(&self, frame: u32) -> PathBuf {
+        let extension = self.plan.format.extension();
+        self.folder.join(format!("frame_{frame:05}.{extension}"))
+    }
+
+    /// The file of a frame's error map.
+    pub fn map_of(&self, frame: u32) -> PathBuf {
+        self.folder.join(format!("error_{frame:05}.exr"))
+    }
+
+    /// The file of a contact sheet.
+    pub fn sheet(&self) -> PathBuf {
+        self.folder.join(SHEET_FILE)
+    }
+
+    /// Whether a file has a name that is kept for what belongs to the frames, other than the contact sheet.
+    pub fn is_reserved(&self, file: &Path) -> bool {
+        let parent = file.parent().filter(|parent| *parent != Path::new(""));
+        let parent = fs::canonicalize(parent.unwrap_or(Path::new(".")));
+        let is_here = parent.is_ok_and(|p| fs::canonicalize(&self.folder).is_ok_and(|f| f == p));
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        let is_own = OWN_FILES.iter().any(|own| name.starts_with(own));
+        is_here && is_own && name != SHEET_FILE
+    }
+
+    /// Proves that all that is to be kept of a frame is there, whole, as it was written, and made from what the
+    /// plan says.
+    pub fn prove(&self, frame: u32) -> Result<FrameRecord, VerifyError> {
+        let (record, _) = self.proven(frame)?;
+        if self.plan.error_maps {
+            let map = self.prove_file(&self.map_of(frame), frame, FrameFormat::Exr);
+            map.map_err(|fault| VerifyError::ErrorMap(Box::new(fault)))?;
+        }
+        Ok(record)
+    }
+
+    /// What the file of a frame holds, proven, whatever else is kept of the frame.
+    pub(super) fn proven(&self, frame: u32) -> Result<(FrameRecord, Picture), VerifyError> {
+        self.prove_file(&self.file_of(frame), frame, self.plan.format)
+    }
+
+    fn prove_file(
+        &self,
+        file: &Path,
+        frame: u32,
+        format: FrameFormat,
+    ) -> Result<(FrameRecord, Picture), VerifyError> {
+        let bytes = fs::read(file).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound => VerifyError::Missing,
+            _ => VerifyError::Unreadable(error),
+        })?;
+        let expected = Expected {
+            frame,
+            format,
+            size: (self.plan.width, self.plan.height),
+            made_from: &self.plan.made_from[frame as usize],
+        };
+        expected.prove(&bytes)
+    }
+
+    /// What the file of a frame says of it, without proof; none if it is not there, says nothing or is another
+    /// frame.
+    pub fn record(&self, frame: u32) -> Option<FrameRecord> {
+        let note = self.plan.format.note(&self.file_of(frame)).ok().flatten()?;
+        FrameRecord::from_text(&note).filter(|record| record.frame == frame)
+    }
+
+    /// The names in the folder that look like frames but are none of the sequence, in order.
+    pub fn strays(&self) -> Result<Vec<String>, FolderError> {
+        let files = (0..self.plan.frames).map(|frame| self.file_of(frame));
+        let own: HashSet<PathBuf> = files.collect();
+        let strays = || -> io::Result<Vec<String>> {
+            let mut strays = Vec::new();
+            for entry in fs::read_dir(&self.folder)? {
+                let entry = entry?;
+                let name = entry.file_name().to_string_lossy().into_owned();
+                if name.starts_with("frame_") && !own.contains(&entry.path()) {
+                    strays.push(name);
+                }
+            }
+            strays.sort();
+            Ok(strays)
+        };
+        strays().map_err(|source| FolderError::Unreadable {
+            folder: self.folder.clone(),
+            source,
+        })
+    }
+
+    /// Sees to it that the names of all files that were kept outlast a stop of the machine, where the file
+    /// system knows how. What was in them did so before they had their names.
+    pub fn sync(&self) {
+        // A name that is lost is a frame that is missing: it will be found and rendered again.
+        let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
+    }
+
+    /// The most bytes that the file of a picture may take.
+    fn bound(&self, format: FrameFormat) -> u64 {
+        let pixels = u64::from(self.plan.width) * u64::from(self.plan.height);
+        let samples = 3 * format.bytes_per_channel() as u64 * pixels;
+        samples + samples / 8 + (1 << 12)
+    }
+}
+
+impl FrameSink for FrameFolder {
+    type Place = Place;
+
+    fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Place>, SinkError> {
+        if self.was_given_another_plan() {
+            let folder = self.folder.display();
+            return Err(format!("{folder}: is of another sequence by now; use two folders").into());
+        }
+        let named = |file: &Path, error| format!("{}: cannot be written: {error}", file.display());
+        // What there is no room for need not be rendered.
+        let with_room = |part: PartFile, format| part.reserve(self.bound(format)).map(|()| part);
+        let file = self.file_of(frame);
+        let part = match insists {
+            true => PartFile::own(&file).map(Some),
+            false => PartFile::claim(&file),
+        };
+        let Some(part) = part.map_err(|error| named(&file, error))? else {
+            return Ok(Claim::Busy);
+        };
+        let picture = with_room(part, self.plan.format).map_err(|error| named(&file, error))?;
+        if !self.force && self.prove(frame).is_ok() {
+            return Ok(Claim::Kept);
+        }
+        let mut error_map = None;
+        if self.plan.error_maps {
+            let file = self.map_of(frame);
+            // Whoever holds the frame need not ask for its map.
+            let part = PartFile::own(&file).and_then(|part| with_room(part, FrameFormat::Exr));
+            error_map = Some(part.map_err(|error| named(&file, error))?);
+        }
+        Ok(Claim::Granted(Place { picture, error_map }))
+    }
+
+    fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
+        self.plan.encode(frame, rendered)
+    }
+
+    fn keep(&self, frame: u32, place: Place, encoded: &EncodedFrame) -> Result<(), SinkError> {
+        let keep = |file: PathBuf, part: PartFile, bytes: &[u8]| {
+            let written = part.finish(bytes);
+            written.map_err(|error| format!("{}: cannot be written: {error}", file.display()))
+        };
+        // The frame comes last: where it is, all of it is.
+        match (&encoded.error_map, place.error_map) {
+            (Some(map), Some(part)) => keep(self.map_of(frame), part, map)?,
+            _ => remove(&self.map_of(frame))?,
+        }
+        Ok(keep(self.file_of(frame), place.picture, &encoded.picture)?)
+    }
+}
+
+/// Removes a file that would no longer be true, if it is there.
+pub(super) fn remove(file: &Path) -> io::Result<()> {
+    match fs::remove_file(file) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}

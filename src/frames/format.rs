@@ -1,0 +1,204 @@
+use super::picture::{Contents, Picture};
+use super::{exr, png_file};
+use crate::film::Film;
+use crate::math::color::srgb_to_linear;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use std::io;
+use std::path::Path;
+
+/// How a frame is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FrameFormat {
+    /// 8 bits for each channel, sRGB.
+    Png,
+    /// 16 bits for each channel, sRGB.
+    Png16,
+    /// 32-bit floats, linear light, OpenEXR.
+    Exr,
+}
+
+impl FrameFormat {
+    /// The ending of a file's name, without the dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            FrameFormat::Png | FrameFormat::Png16 => "png",
+            FrameFormat::Exr => "exr",
+        }
+    }
+
+    /// Bytes of a channel of a pixel.
+    pub(super) fn bytes_per_channel(self) -> usize {
+        match self {
+            FrameFormat::Png => 1,
+            FrameFormat::Png16 => 2,
+            FrameFormat::Exr => 4,
+        }
+    }
+
+    /// A film as it is stored.
+    pub(super) fn picture(self, film: &Film) -> Picture {
+        let samples = match self {
+            FrameFormat::Png => film.to_srgb8(),
+            FrameFormat::Png16 => film.to_srgb16_be(),
+            FrameFormat::Exr => exr::samples(film),
+        };
+        Picture {
+            width: film.width(),
+            height: film.height(),
+            samples,
+        }
+    }
+
+    /// The film that such a picture is of, as far as it tells.
+    pub(super) fn film(self, picture: &Picture) -> Film {
+        let samples = &picture.samples;
+        let channels: Vec<f32> = match self {
+            FrameFormat::Png => {
+                let linear = linear_codes(u8::MAX.into());
+                samples.iter().map(|&code| linear[code as usize]).collect()
+            }
+            FrameFormat::Png16 => {
+                let linear = linear_codes(u16::MAX);
+                let codes = samples.as_chunks().0.iter();
+                let codes = codes.map(|bytes| u16::from_be_bytes(*bytes));
+                codes.map(|code| linear[code as usize]).collect()
+            }
+            FrameFormat::Exr => return exr::film(picture),
+        };
+        let pixels = channels.chunks_exact(3).map(Vec3::from_slice).collect();
+        Film::from_pixels(picture.width, picture.height, pixels)
+    }
+
+    /// The bytes of a file that holds `picture` and says `note`, a text of printable ASCII; the same for the
+    /// same picture and note.
+    pub(super) fn encode(self, picture: &Picture, note: &str) -> io::Result<Vec<u8>> {
+        match self {
+            FrameFormat::Png => png_file::encode(picture, png::BitDepth::Eight, note),
+            FrameFormat::Png16 => png_file::encode(picture, png::BitDepth::Sixteen, note),
+            FrameFormat::Exr => exr::encode(&exr::film(picture), note),
+        }
+    }
+
+    /// What a file's bytes hold, or why they are no file of this format that has its picture whole.
+    pub(super) fn decode(self, bytes: &[u8], size: (u32, u32)) -> Result<Contents, String> {
+        match self {
+            FrameFormat::Png => png_file::decode(bytes, png::BitDepth::Eight, size),
+            FrameFormat::Png16 => png_file::decode(bytes, png::BitDepth::Sixteen, size),
+            FrameFormat::Exr => exr::contents(bytes, size),
+        }
+    }
+
+    /// What a file of this format says; none if it says nothing.
+    pub(super) fn note(self, file: &Path) -> io::Result<Option<String>> {
+        match self {
+            FrameFormat::Png | FrameFormat::Png16 => png_file::note(file),
+            FrameFormat::Exr => exr::note(file),
+        }
+    }
+}
+
+/// The linear value of each sRGB code up to the one that is 1.
+fn linear_codes(most: u16) -> Vec<f32> {
+    let linear = |code| srgb_to_linear(f32::from(code) / f32::from(most));
+    (0..=most).map(linear).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    const SAID: &str = "Frame(frame:7,error:None)";
+    const FORMATS: [FrameFormat; 3] = [FrameFormat::Png, FrameFormat::Png16, FrameFormat::Exr];
+
+    fn film() -> Film {
+        let mut film = Film::new(3, 2);
+        for (i, pixel) in film.pixels_mut().iter_mut().enumerate() {
+            *pixel = Vec3::new(0.1 * i as f32, 0.5, 1.5);
+        }
+        film
+    }
+
+    fn file(format: FrameFormat) -> Vec<u8> {
+        format
+            .encode(&format.picture(&film()), SAID)
+            .expect("encodes")
+    }
+
+    #[test]
+    fn png_files_hold_the_codes_and_say_srgb() {
+        for (format, codes) in [
+            (FrameFormat::Png, film().to_srgb8()),
+            (FrameFormat::Png16, film().to_srgb16_be()),
+        ] {
+            let mut reader = png::Decoder::new(Cursor::new(file(format)))
+                .read_info()
+                .expect("a PNG");
+            assert!(reader.info().srgb.is_some());
+            let mut samples = vec![0; codes.len()];
+            let info = reader.next_frame(&mut samples).expect("whole");
+            assert_eq!((info.width, info.height), (3, 2));
+            assert_eq!(samples, codes);
+        }
+    }
+
+    #[test]
+    fn exr_files_hold_the_floats() {
+        let bytes = file(FrameFormat::Exr);
+        let image = image::load_from_memory(&bytes)
+            .expect("an EXR")
+            .into_rgb32f();
+        let channels: Vec<f32> = film().pixels().iter().flat_map(|p| p.to_array()).collect();
+        assert_eq!(image.into_raw(), channels);
+        assert_eq!(exr::decode(&bytes).expect("an EXR"), film());
+    }
+
+    #[test]
+    fn files_say_their_notes_and_give_back_what_was_stored() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for format in FORMATS {
+            let stored = folder.path().join("frame");
+            std::fs::write(&stored, file(format)).expect("written");
+            assert_eq!(format.note(&stored).expect("whole").as_deref(), Some(SAID));
+            let contents = format.decode(&file(format), (3, 2)).expect("whole");
+            assert_eq!(contents.note.as_deref(), Some(SAID));
+            let picture = format.picture(&film());
+            assert_eq!(picture.samples.len(), 18 * format.bytes_per_channel());
+            assert!(contents.picture == Some(picture));
+            let other = format.decode(&file(format), (2, 3)).expect("whole");
+            assert!(other.picture.is_none() && other.note.is_some());
+        }
+    }
+
+    #[test]
+    fn pictures_are_of_films() {
+        for (format, steps) in FORMATS.into_iter().zip([255.0, 65535.0, f32::INFINITY]) {
+            let told = format.film(&format.picture(&film()));
+            assert_eq!((told.width(), told.height()), (3, 2));
+            let shown = |pixel: &Vec3| match format {
+                FrameFormat::Exr => *pixel,
+                _ => pixel.min(Vec3::ONE),
+            };
+            for (told, pixel) in told.pixels().iter().zip(film().pixels()) {
+                // Nowhere is the curve steeper in linear light than 2.3 codes to a code.
+                let error = (told - shown(pixel)).abs().max_element();
+                assert!(error <= 0.5 * 2.3 / steps, "{format:?}: {told} of {pixel}");
+            }
+            assert!(format.picture(&told) == format.picture(&film()));
+        }
+    }
+
+    /// Whatever is cut off.
+    #[test]
+    fn no_part_of_a_file_is_a_file() {
+        for format in FORMATS {
+            let file = file(format);
+            for length in 0..file.len() {
+                let decoded = format.decode(&file[..length], (3, 2));
+                assert!(decoded.is_err(), "{format:?}: {length} of {}", file.len());
+            }
+        }
+    }
+}

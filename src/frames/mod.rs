@@ -1,0 +1,24 @@
+//! The frame store: a folder of numbered frames in which a file is a whole, verified frame or none, with what the
+//! frames are made from (`sequence.ron`) and what they say of themselves (`manifest.ron`).
+
+mod contact_sheet;
+mod exr;
+mod folder;
+mod format;
+mod manifest;
+mod picture;
+mod png_file;
+mod record;
+mod sequence;
+#[cfg(test)]
+mod tests;
+mod verify;
+
+pub use contact_sheet::ContactSheet;
+pub use exr::{decode as decode_exr, encode as encode_exr, note as note_of_exr};
+pub use folder::{FolderError, FrameFolder, Place};
+pub use format::FrameFormat;
+pub use manifest::Manifest;
+pub use record::{FrameError, FrameRecord};
+pub use sequence::{PlanCommand, SequenceRecord};
+pub use verify::VerifyError;

@@ -1,0 +1,248 @@
+//! Folders of frames.
+
+use super::format::FrameFormat;
+use super::picture::Contents;
+use super::verify::VerifyError;
+use super::{FolderError, FrameFolder, PlanCommand, SequenceRecord};
+use crate::film::Film;
+use crate::render::{Claim, ErrorEstimate, FrameSink, RenderedFrame, SinkError};
+use glam::Vec3;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn plan(made_from: &str) -> SequenceRecord {
+    SequenceRecord {
+        program: SequenceRecord::program(),
+        command: PlanCommand {
+            folder: PathBuf::new(),
+            arguments: Vec::new(),
+        },
+        fps: 25.0,
+        frames: 3,
+        width: 4,
+        height: 2,
+        format: FrameFormat::Png,
+        exposure: 0.0,
+        error_maps: false,
+        path_light: false,
+        made_from: vec![made_from.to_owned(); 3],
+    }
+}
+
+fn rendered(light: f32) -> RenderedFrame {
+    RenderedFrame {
+        film: Film::from_pixels(4, 2, vec![Vec3::splat(light); 8]),
+        deviation: Some(Film::from_pixels(4, 2, vec![Vec3::splat(-0.1); 8])),
+        error: Some(ErrorEstimate {
+            relative_square_error: 0.001,
+            standard_error: 0.0001,
+        }),
+        rays: 0,
+        non_finite_samples: 0,
+    }
+}
+
+fn keep(folder: &FrameFolder, frame: u32) -> Result<(), SinkError> {
+    let Claim::Granted(place) = folder.claim(frame, false)? else {
+        panic!("nobody else is there");
+    };
+    let encoded = folder.encode(frame, rendered(0.5)).expect("encodes");
+    folder.keep(frame, place, &encoded)
+}
+
+/// The names of all files in a folder, in order.
+pub(super) fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("there");
+    let names = entries.map(|e| e.expect("entry").file_name().to_string_lossy().into_owned());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn what_is_kept_is_proven_and_nothing_else_is_left() {
+    let root = tempfile::tempdir().expect("a folder");
+    let path = root.path().join("deep/er");
+    let folder = FrameFolder::new(&path, plan("a"), false);
+    folder.prepare().expect("new");
+    assert!(matches!(folder.prove(2), Err(VerifyError::Missing)));
+    keep(&folder, 2).expect("kept");
+    let record = folder.prove(2).expect("whole");
+    assert_eq!((record.frame, record.made_from.as_str()), (2, "a"));
+    assert_eq!(names(&path), ["frame_00002.png", "sequence.ron"]);
+    assert!(matches!(folder.claim(2, false), Ok(Claim::Kept)));
+    let opened = FrameFolder::open(&path).expect("there");
+    assert_eq!(opened.prove(2).expect("whole"), record);
+}
+
+#[test]
+fn what_somebody_is_at_work_on_is_busy_for_others() {
+    let root = tempfile::tempdir().expect("a folder");
+    let folder = |force| FrameFolder::new(root.path(), plan("a"), force);
+    let place = folder(false).claim(1, false).expect("free");
+    assert!(matches!(folder(false).claim(1, false), Ok(Claim::Busy)));
+    assert!(matches!(
+        folder(false).claim(1, true),
+        Ok(Claim::Granted(_))
+    ));
+    drop(place);
+    keep(&folder(false), 1).expect("free again");
+    assert!(matches!(folder(false).claim(1, true), Ok(Claim::Kept)));
+    assert!(matches!(
+        folder(true).claim(1, false),
+        Ok(Claim::Granted(_))
+    ));
+}
+
+#[test]
+fn every_fault_is_told_from_the_others() {
+    let root = tempfile::tempdir().expect("a folder");
+    let folder = FrameFolder::new(root.path(), plan("a"), false);
+    keep(&folder, 0).expect("kept");
+    let file = folder.file_of(0);
+    let whole = fs::read(&file).expect("there");
+    let fault = |bytes: &[u8]| {
+        fs::write(&file, bytes).expect("written");
+        folder.prove(0).expect_err("changed").to_string()
+    };
+    assert_eq!(fault(b""), "empty");
+    assert!(fault(&whole[..40]).starts_with("cut short or damaged"));
+    assert!(fault(b"text").starts_with("cut short or damaged"));
+    assert!(fault(&[&whole[..], b"more"].concat()).starts_with("altered"));
+    let format = FrameFormat::Png;
+    let Ok(Contents { note, picture }) = format.decode(&whole, (4, 2)) else {
+        panic!("whole");
+    };
+    let (note, mut picture) = (note.expect("said"), picture.expect("whole"));
+    assert!(
+        fault(&format.encode(&picture, "other").expect("encodes"))
+            .starts_with("holds no whole record")
+    );
+    picture.samples[5] += 1;
+    assert!(fault(&format.encode(&picture, &note).expect("encodes")).starts_with("altered"));
+    keep(&folder, 1).expect("kept");
+    let other = fs::read(folder.file_of(1)).expect("there");
+    assert_eq!(fault(&other), "is frame 1 under another name");
+    fs::write(&file, &whole).expect("written");
+    let of_another = FrameFolder::new(root.path(), plan("b"), false);
+    let stale = of_another.prove(0).expect_err("other").to_string();
+    assert!(stale.starts_with("stale"), "{stale}");
+    for other in [
+        SequenceRecord {
+            width: 5,
+            ..plan("b")
+        },
+        SequenceRecord {
+            format: FrameFormat::Png16,
+            ..plan("b")
+        },
+    ] {
+        let stale = FrameFolder::new(root.path(), other, false).prove(0);
+        assert!(matches!(stale, Err(VerifyError::Stale)));
+    }
+    folder.prove(0).expect("as it was");
+}
+
+/// Of each file every bit is flipped, one after the other.
+#[test]
+fn no_flipped_bit_goes_unseen() {
+    let root = tempfile::tempdir().expect("a folder");
+    for format in [FrameFormat::Png, FrameFormat::Png16, FrameFormat::Exr] {
+        let of_format = SequenceRecord {
+            format,
+            ..plan("a")
+        };
+        let folder = FrameFolder::new(root.path(), of_format, false);
+        keep(&folder, 0).expect("kept");
+        let file = folder.file_of(0);
+        let whole = fs::read(&file).expect("there");
+        for bit in 0..8 * whole.len() {
+            let mut bytes = whole.clone();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            fs::write(&file, &bytes).expect("written");
+            assert!(folder.prove(0).is_err(), "{format:?}: bit {bit}");
+        }
+    }
+}
+
+#[test]
+fn an_error_map_belongs_to_its_frame() {
+    let root = tempfile::tempdir().expect("a folder");
+    let with_maps = SequenceRecord {
+        error_maps: true,
+        ..plan("a")
+    };
+    let folder = FrameFolder::new(root.path(), with_maps, false);
+    keep(&folder, 0).expect("kept");
+    folder.prove(0).expect("whole");
+    fs::write(folder.map_of(0), "half").expect("written");
+    assert!(matches!(folder.prove(0), Err(VerifyError::ErrorMap(_))));
+    keep(&folder, 0).expect("made again");
+    folder.prove(0).expect("whole");
+    keep(&FrameFolder::new(root.path(), plan("a"), true), 0).expect("kept");
+    assert_eq!(names(root.path()), ["frame_00000.png"]);
+}
+
+#[test]
+fn plans_are_compared_but_for_the_command() {
+    let root = tempfile::tempdir().expect("a folder");
+    let folder = FrameFolder::new(root.path(), plan("a"), false);
+    folder.prepare().expect("new");
+    let mut same = plan("a");
+    same.command.arguments.push("--quiet".to_owned());
+    assert!(FrameFolder::new(root.path(), same, false).has_its_plan());
+    let other = FrameFolder::new(root.path(), plan("b"), false);
+    assert!(!other.has_its_plan());
+    other.prepare().expect("written over");
+    assert!(other.has_its_plan() && !other.has_another_plan());
+    assert!(!folder.has_its_plan() && folder.has_another_plan());
+    let older = SequenceRecord {
+        program: "flythrough 0.0.1".to_owned(),
+        ..plan("a")
+    };
+    FrameFolder::new(root.path(), older, false)
+        .prepare()
+        .expect("written over");
+    assert!(matches!(
+        FrameFolder::open(root.path()),
+        Err(FolderError::OtherProgram { .. })
+    ));
+    fs::write(root.path().join("sequence.ron"), "Sequence(").expect("written");
+    assert!(matches!(
+        FrameFolder::open(root.path()),
+        Err(FolderError::NoPlan { .. })
+    ));
+}
+
+#[test]
+fn strays_look_like_frames() {
+    let root = tempfile::tempdir().expect("a folder");
+    let folder = FrameFolder::new(root.path(), plan("a"), false);
+    keep(&folder, 0).expect("kept");
+    for name in [
+        "frame_00003.png",
+        "frame_1.png",
+        "frame_00001.exr",
+        "notes.txt",
+    ] {
+        fs::write(root.path().join(name), "x").expect("written");
+    }
+    let strays = folder.strays().expect("can be read");
+    assert_eq!(
+        strays,
+        ["frame_00001.exr", "frame_00003.png", "frame_1.png"]
+    );
+}
+
+#[test]
+fn a_frame_that_cannot_be_written_names_its_file() {
+    let root = tempfile::tempdir().expect("a folder");
+    let folder = FrameFolder::new(root.path(), plan("a"), false);
+    fs::create_dir(folder.file_of(1)).expect("made");
+    let error = keep(&folder, 1).expect_err("in the way").to_string();
+    assert!(error.contains("frame_00001.png"), "{error}");
+    assert_eq!(names(root.path()), ["frame_00001.png"]);
+    fs::remove_dir_all(root.path()).expect("removed");
+    let error = keep(&folder, 2).expect_err("nowhere").to_string();
+    assert!(error.contains("frame_00002.png"), "{error}");
+}

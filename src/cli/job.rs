@@ -87,7 +87,7 @@ impl Job {
     }
 
     /// What the frames are to be.
-    pub(super) fn plan(&self) -> Result<SequenceRecord, Failure> {
+    pub(super) fn sequence(&self) -> Result<SequenceRecord, Failure> {
         let path = &self.loaded.path.path;
         let timeline = path.timeline();
         let program = SequenceRecord::program();
@@ -96,7 +96,7 @@ impl Job {
             "{program} {:?} {:?} {} {:?}",
             self.exact, self.light_of, self.exposure, self.format
         );
-        let made_from = |frame| {
+        let input_hash = |frame| {
             let mut hasher = blake3::Hasher::new();
             hasher.update(self.loaded.scene_fingerprint.as_bytes());
             hasher.update(of_all.as_bytes());
@@ -118,7 +118,7 @@ impl Job {
             exposure: self.exposure,
             error_maps: self.error_maps,
             path_light: self.light_of.is_some(),
-            made_from: (0..timeline.frame_count()).map(made_from).collect(),
+            input_hash: (0..timeline.frame_count()).map(input_hash).collect(),
         })
     }
 
@@ -151,12 +151,12 @@ impl Job {
     }
 
     /// What a forecast renders frames of.
-    pub(super) fn stage<'a>(&'a self, plan: &'a SequenceRecord) -> Stage<'a> {
+    pub(super) fn stage<'a>(&'a self, sequence: &'a SequenceRecord) -> Stage<'a> {
         Stage {
             scene: &self.loaded.scene.scene,
             path: &self.loaded.path.path,
             pool: &self.loaded.pool,
-            plan,
+            sequence,
         }
     }
 }

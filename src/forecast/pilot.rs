@@ -38,7 +38,7 @@ pub struct Stage<'a> {
     /// Threads.
     pub pool: &'a rayon::ThreadPool,
     /// What the frames are to be.
-    pub plan: &'a SequenceRecord,
+    pub sequence: &'a SequenceRecord,
 }
 
 /// A few frames of a sequence, rendered for what they cost: as they will be, or smaller.
@@ -134,7 +134,7 @@ impl Stage<'_> {
     /// Renders frames as a sequence. Each has its share of the seconds by the rays that it took.
     fn measure(&self, settings: &RenderSettings, frames: &[u32]) -> Vec<PilotFrame> {
         let scale = Scale {
-            plan: self.plan,
+            sequence: self.sequence,
             weighed: Mutex::default(),
         };
         let start = Instant::now();
@@ -156,7 +156,7 @@ impl Stage<'_> {
 
 /// Weighs frames in place of keeping them: number, rays and bytes.
 struct Scale<'a> {
-    plan: &'a SequenceRecord,
+    sequence: &'a SequenceRecord,
     weighed: Mutex<Vec<(u32, u64, usize)>>,
 }
 
@@ -169,7 +169,7 @@ impl FrameSink for Scale<'_> {
 
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
         let rays = rendered.rays;
-        let encoded = self.plan.encode(frame, rendered)?;
+        let encoded = self.sequence.encode(frame, rendered)?;
         let weight = (frame, rays, encoded.bytes());
         self.weighed.lock().expect("no holder panics").push(weight);
         Ok(encoded)

@@ -33,7 +33,7 @@ pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<St
     job.bake(arguments.quiet)?;
 
     let shown = arguments.progress.shown(arguments.quiet);
-    let outcome = job.render(&sample, &Comparison(&folder), shown, interrupt);
+    let outcome = job.render(&sample, &Comparison(&folder), shown, interrupt)?;
     if !arguments.quiet {
         // Nobody has to read it: the exit status says what matters.
         let _ = writeln!(
@@ -68,7 +68,7 @@ fn chosen(mut frames: Vec<u32>, arguments: &AuditArguments) -> Vec<u32> {
 struct Comparison<'a>(&'a FrameFolder);
 
 impl FrameSink for Comparison<'_> {
-    type Place = ();
+    type Slot = ();
 
     fn claim(&self, _: u32, _: bool) -> Result<Claim<()>, SinkError> {
         Ok(Claim::Granted(()))

@@ -87,12 +87,13 @@ impl Kept {
             // What was chosen before stays: frames are made of it.
             None => {
                 let choice = out.and_then(Kept::read).and_then(|kept| kept.choice);
-                let quote = Quote::new(job.stage(&sequence), &job.settings, memory);
+                let quote = Quote::new(job.stage(&sequence), &job.renderer()?, memory);
                 (quote, choice)
             }
             Some(budget) => {
                 let seconds = budget.as_secs_f64();
-                let within = samples_within(job.stage(&sequence), &job.settings, seconds, memory);
+                let within =
+                    samples_within(job.stage(&sequence), &job.renderer()?, seconds, memory);
                 let (samples, quote) = within.ok_or_else(|| {
                     let budget = clock(budget);
                     format!("--budget: one sample of each pixel takes longer than {budget}")

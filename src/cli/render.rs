@@ -69,7 +69,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
 
     let shown = arguments.progress.shown(arguments.quiet);
     let start = Instant::now();
-    let outcome = job.render(&missing, &folder, shown, interrupt);
+    let outcome = job.render(&missing, &folder, shown, interrupt)?;
     let elapsed = start.elapsed();
 
     let cameras = FrameCameras::of(&job.loaded.path.path);

@@ -311,7 +311,7 @@ impl FrameFolder {
 }
 
 impl FrameSink for FrameFolder {
-    type Place = Place;
+    type Slot = Place;
 
     fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Place>, SinkError> {
         if self.was_given_another_sequence() {

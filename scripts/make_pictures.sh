@@ -44,7 +44,7 @@ filter() { # filter OUTPUT GRAPH INPUT...
 render gallery gallery --mode montecarlo --samples 4 --exposure -0.3 --size 360x202 \
     --frames 0-432:4 --out "$work/walk"
 img2webp -loop 0 -kmin 0 -kmax 1 -lossy -q 40 -m 6 -d 83 "$work"/walk/frame_*.png \
-    -o "$pictures/walk.webp" 2>/dev/null
+    -o "$pictures/walk.webp"
 
 still test test test --mode supersampling
 still test1 test1 test --mode supersampling
@@ -56,14 +56,14 @@ filter test2.png null "$work/test2.png"
 # The sphere's edge, eight times enlarged: without and with supersampling.
 still rough test2 translate_rotate --mode raytracing --frames 0
 edge='crop=60:50:665:285,scale=480:400:flags=neighbor'
-filter edge.png "[0]$edge[a];[1]$edge[b];[a]pad=iw+8[a];[a][b]hstack" \
+filter edge.png "[0]${edge}[a];[1]${edge}[b];[a]pad=iw+8[a];[a][b]hstack" \
     "$work/rough.png" "$work/test2.png"
 
 # Green light on the white wall, in the corner behind the sphere.
 still direct test2 zoom --mode raytracing --samples 8 --frames 0 --size 720x405
 still gathered test2 zoom --mode montecarlo --samples 8 --frames 0 --size 720x405
 corner='crop=400:340:250:20'
-filter bleeding.png "[0]$corner,pad=iw+8[a];[1]$corner[b];[a][b]hstack" \
+filter bleeding.png "[0]$corner,pad=iw+8[a];[1]${corner}[b];[a][b]hstack" \
     "$work/direct.png" "$work/gathered.png"
 
 # Two shadows and their darker overlap.

@@ -189,7 +189,7 @@ frame_00004.png: altered after it was written
 frame_00005.png: is frame 0 under another name
 frame_00006.png: missing
 frame_00007.png: holds no whole record of flythrough
-2 of 9 frames are proven: ";
+2 of 9 frames are verified: ";
     for (line, expected) in said.lines().zip(expected.lines()) {
         assert!(line.starts_with(expected), "{line}: {expected}");
     }

@@ -90,7 +90,7 @@ fn a_quote_is_scored() {
         let rendered = of("render", more);
         let scores: Vec<&str> = rendered
             .lines()
-            .filter(|l| l.starts_with("quoted"))
+            .filter(|l| l.starts_with("estimated"))
             .collect();
         assert_eq!(scores.len(), 3, "{rendered}");
         assert!(
@@ -99,7 +99,7 @@ fn a_quote_is_scored() {
         );
     }
     // What is quoted for something else is no measure.
-    assert!(!of("render", &["--samples", "2"]).contains("quoted"));
+    assert!(!of("render", &["--samples", "2"]).contains("estimated"));
 }
 
 #[test]

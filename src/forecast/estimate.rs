@@ -1,22 +1,24 @@
-use super::pilot::{Pilot, PilotFrame, Stage};
+//! What a sequence is expected to take, from a pilot.
+
+use super::pilot::{Pilot, PilotFrame, Workload};
 use crate::metrics::{mean, student};
-use crate::render::{Renderer, frame_memory};
+use crate::render::frame_memory;
 use serde::{Deserialize, Serialize};
 
-/// How much the pace of a machine that others share changes from one minute to the next, relatively.
+/// Relative change of the speed of a shared machine from one minute to the next.
 const PACE: f64 = 0.2;
 
-/// Bytes that each thread works with.
-const OF_THREAD: f64 = 2e6;
+/// Working memory of a thread, in bytes.
+const THREAD_MEMORY: f64 = 2e6;
 
 /// What a sequence is expected to take.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Quote {
-    /// How many threads it is for.
+pub struct Estimate {
+    /// Threads that it is for.
     pub threads: usize,
-    /// What some of its frames cost, by number.
+    /// What the frames of the pilot cost, by number.
     pub frames: Vec<PilotFrame>,
-    /// How far off the seconds may be, relatively, 19 times of 20.
+    /// Relative half width of the 95 % confidence interval of the seconds.
     pub seconds_within: f64,
     /// The same of the bytes.
     pub bytes_within: f64,
@@ -24,15 +26,15 @@ pub struct Quote {
     pub memory: Forecast,
 }
 
-/// A number that is not known yet: between `low` and `high` 19 times of 20.
+/// A number that is not known yet, with its 95 % confidence interval.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Forecast")]
 pub struct Forecast {
-    /// What is most likely.
+    /// The expected value.
     pub expected: f64,
-    /// The least.
+    /// Lower end of the interval.
     pub low: f64,
-    /// The most.
+    /// Upper end of the interval.
     pub high: f64,
 }
 
@@ -46,25 +48,25 @@ impl Forecast {
     }
 }
 
-impl Quote {
-    /// Of all frames of a path. `memory` are the bytes that the program takes before the first frame.
-    pub fn new(stage: Stage, renderer: &Renderer, memory: f64) -> Quote {
+impl Estimate {
+    /// Estimates all frames of a path. `memory` are the bytes that the program takes before the first frame.
+    pub fn new(workload: &Workload, memory: f64) -> Estimate {
         let Pilot {
             frames,
             doubt_of_seconds,
             doubt_of_bytes,
-        } = Pilot::run(stage, renderer);
-        let count = stage.path.timeline().frame_count();
+        } = Pilot::run(workload);
+        let count = workload.path.timeline().frame_count();
         let within = |value: fn(&PilotFrame) -> f64, doubt: f64, pace: f64| {
             let values: Vec<f64> = frames.iter().map(value).collect();
             let chance = error_of_mean(&values, count);
             (chance.powi(2) + doubt.powi(2) + pace.powi(2)).sqrt()
         };
-        let threads = stage.pool.current_num_threads();
-        let before = memory + OF_THREAD * threads as f64;
+        let threads = workload.pool.current_num_threads();
+        let before = memory + THREAD_MEMORY * threads as f64;
         let [least, most] =
-            frame_memory(renderer.settings()).map(|bytes| before + 2.0 * bytes as f64);
-        Quote {
+            frame_memory(workload.renderer.settings()).map(|bytes| before + 2.0 * bytes as f64);
+        Estimate {
             threads,
             seconds_within: within(|frame| frame.seconds, doubt_of_seconds, PACE),
             bytes_within: within(|frame| frame.bytes, doubt_of_bytes, 0.0),
@@ -129,13 +131,13 @@ fn error_of_mean(values: &[f64], count: u32) -> f64 {
 mod tests {
     use super::*;
 
-    fn quote(frames: &[(u32, f64)]) -> Quote {
+    fn estimate(frames: &[(u32, f64)]) -> Estimate {
         let frames = frames.iter().map(|&(frame, seconds)| PilotFrame {
             frame,
             seconds,
             bytes: 10.0,
         });
-        Quote {
+        Estimate {
             threads: 1,
             frames: frames.collect(),
             seconds_within: 0.25,
@@ -146,7 +148,7 @@ mod tests {
 
     #[test]
     fn frames_between_cost_something_between() {
-        let quote = quote(&[(1, 2.0), (3, 4.0)]);
+        let estimate = estimate(&[(1, 2.0), (3, 4.0)]);
         for (frames, seconds) in [
             (&[0][..], 2.0),
             (&[1], 2.0),
@@ -154,11 +156,11 @@ mod tests {
             (&[3], 4.0),
             (&[9], 4.0),
         ] {
-            assert_eq!(quote.seconds(frames).expected, seconds, "{frames:?}");
+            assert_eq!(estimate.seconds(frames).expected, seconds, "{frames:?}");
         }
-        let all = quote.seconds(&[0, 1, 2, 3, 4]);
+        let all = estimate.seconds(&[0, 1, 2, 3, 4]);
         assert_eq!((all.expected, all.low, all.high), (15.0, 12.0, 18.75));
-        assert_eq!(quote.bytes(&[0, 2]).expected, 20.0);
+        assert_eq!(estimate.bytes(&[0, 2]).expected, 20.0);
     }
 
     #[test]

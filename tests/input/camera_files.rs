@@ -1,8 +1,6 @@
 //! Camera paths of other programs: files that they have written, and what is written for them.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::{root, shipped_path};
 use flythrough::camera::{Camera, FrameCameras};
 use flythrough::input::{InputFiles, import_cameras, load_camera_path};
 use flythrough::output::{
@@ -11,7 +9,6 @@ use flythrough::output::{
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::Value;
 use std::path::PathBuf;
-use support::{root, shipped_path};
 
 fn reference(name: &str) -> PathBuf {
     root().join("tests/reference/cameras").join(name)

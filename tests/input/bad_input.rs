@@ -1,9 +1,6 @@
 //! Wrong input files: each is refused with its place and what to do, or said in a warning.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
-use support::*;
+use crate::support::*;
 
 #[test]
 fn scenes() {

@@ -1,9 +1,6 @@
 //! Scene and camera path files of broken syntax, and numbers of every kind in them.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
-use support::*;
+use crate::support::*;
 
 /// Text that is not of the syntax at all, in place of a scene and of a path.
 #[test]

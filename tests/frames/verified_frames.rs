@@ -1,12 +1,9 @@
 //! Frames that are there are proven, and what is not is rendered again: nothing less, nothing more.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::project::{ALL, KEYS, Project, SCENE, keys};
+use crate::support::*;
 use std::fs;
 use std::process::{Command, Stdio};
-use support::project::{ALL, KEYS, Project, SCENE, keys};
-use support::*;
 
 #[test]
 fn a_frame_rendered_again_is_the_same_file() {

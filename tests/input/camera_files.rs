@@ -1,8 +1,6 @@
 //! Camera paths of other programs: files that they have written, and what is written for them.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::{root, shipped_path};
 use flythrough::camera::{Camera, FrameCameras};
 use flythrough::camera_formats::{
     GltfContainer, camera_path_file, camera_table, gltf_file, nerfstudio_json,
@@ -12,7 +10,6 @@ use flythrough::input::InputFiles;
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::Value;
 use std::path::PathBuf;
-use support::{root, shipped_path};
 
 fn reference(name: &str) -> PathBuf {
     root().join("tests/reference/cameras").join(name)

@@ -1,12 +1,9 @@
 //! Videos of frames: right, or refused. Needs ffmpeg.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::*;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
-use support::*;
 
 fn make_video(frames: &Path, video: &Path) -> Output {
     let script = root().join("scripts/make_video.sh");

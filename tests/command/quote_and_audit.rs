@@ -1,11 +1,8 @@
 //! What a sequence will take, and whether what is there is what this machine renders.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::project::Project;
+use crate::support::*;
 use std::process::{Command, Stdio};
-use support::project::Project;
-use support::*;
 
 /// Frames that are whole and say what they should, but are not what this machine renders.
 #[test]

@@ -1,14 +1,11 @@
 //! The report on speed against error, small, and what it is built on.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::statistics::spread;
+use crate::support::*;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
 use flythrough::render::{PixelSampling, RenderSettings};
 use std::collections::BTreeSet;
 use std::fs;
-use support::statistics::spread;
-use support::*;
 
 const SIZE: [u32; 2] = [64, 48];
 
@@ -129,7 +126,7 @@ fn a_report_has_everything_and_keeps_its_references() {
     .unwrap();
     let keys = "(time: 0, position: (0, 0, 0.9), look_at: (0, 0, 0), fov: 60),
                 (time: 0.1, position: (0.01, 0, 0.9), look_at: (0, 0, 0), fov: 60)";
-    fs::write(&path, support::path(keys)).unwrap();
+    fs::write(&path, crate::support::path(keys)).unwrap();
     let folder = out.path().join("report");
     let arguments = [
         "report",

@@ -1,8 +1,7 @@
 //! What holds of light in any scene, whether the answer is known or not.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::statistics::*;
+use crate::support::*;
 use flythrough::accel::Traversal;
 use flythrough::camera::Camera;
 use flythrough::integrator::{CameraSample, Integrator, LightSampler};
@@ -12,8 +11,6 @@ use flythrough::sampling::{Sequence, uniform_sphere};
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
-use support::statistics::*;
-use support::*;
 
 const SIZE: [u32; 2] = [16, 12];
 

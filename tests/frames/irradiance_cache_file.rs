@@ -1,11 +1,8 @@
 //! Files of light that runs of the program share.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::*;
 use std::fs;
 use std::path::{Path, PathBuf};
-use support::*;
 
 /// Runs a command on the room of `scenes/test3.ron` and a path; its exit status and all that it said.
 fn run(command: &str, path: &Path, more: &[&str]) -> (Option<i32>, String) {

@@ -1,8 +1,7 @@
 //! What frames say of their own errors, and what they do about them.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::statistics::*;
+use crate::support::*;
 use flythrough::camera::Camera;
 use flythrough::film::Film;
 use flythrough::render::{PixelSampling, RenderSettings, RenderedFrame};
@@ -10,8 +9,6 @@ use flythrough::scene::Scene;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::LazyLock;
-use support::statistics::*;
-use support::*;
 
 const SIZE: [u32; 2] = [80, 60];
 

@@ -1,13 +1,10 @@
 //! `flythrough path`, and the table of cameras that `render` leaves.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::project::Project;
+use crate::support::{flythrough, root, stderr};
 use glam::{DVec3, DVec4};
 use serde::Deserialize;
 use std::path::Path;
-use support::project::Project;
-use support::{flythrough, root, stderr};
 
 fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
     let output = flythrough(arguments);

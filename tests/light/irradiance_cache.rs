@@ -1,8 +1,6 @@
 //! Indirect light worked out once for a whole camera path.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::*;
 use flythrough::bake::{Baked, bake, cache_errors};
 use flythrough::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
 use flythrough::integrator::IntegratorSettings;
@@ -11,7 +9,6 @@ use flythrough::render::{RenderSettings, Renderer};
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
-use support::*;
 
 const SIZE: (u32, u32) = (64, 48);
 

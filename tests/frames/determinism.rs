@@ -1,12 +1,9 @@
 //! The same frame, whoever renders it and in whatever order.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::*;
 use flythrough::integrator::{CameraSample, Integrator};
 use flythrough::render::{PixelSampling, RenderSettings};
 use glam::Vec3;
-use support::*;
 
 fn on_threads(threads: usize, settings: &RenderSettings, frame: u32) -> Vec<Vec3> {
     let scene = shipped_scene("test2.ron");

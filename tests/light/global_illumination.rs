@@ -1,14 +1,11 @@
 //! Light after bounces, in rooms and under skies with known answers.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::statistics::*;
+use crate::support::*;
 use flythrough::integrator::LightSampler;
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
-use support::statistics::*;
-use support::*;
 
 /// pbrt-v4: inside a unit sphere of albedo 1/2 a light of intensity pi gives 1/2 directly and
 /// 1/2^(k+1) by its k-th bounce. So do four lights of a quarter each.

@@ -3,15 +3,12 @@
 //! tests/reference/make_mitsuba.py makes them with Mitsuba 3: `path`, max_depth = bounces + 2. All camera rays
 //! go through the pixels' middles: a sliver of an edge that few rays meet would have an error that
 //! cannot be told from these few.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::statistics::*;
+use crate::support::*;
 use flythrough::camera::Camera;
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
-use support::statistics::*;
-use support::*;
 
 const WIDTH: usize = 40;
 const HEIGHT: usize = 30;

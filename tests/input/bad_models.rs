@@ -1,10 +1,7 @@
 //! Wrong models, material libraries and images: each is refused with its place, or said in a warning.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::*;
 use std::io::Cursor;
-use support::*;
 
 const MODEL: &str = "Scene(objects: [model(file: \"m.obj\")])";
 const TEXTURED: &str = "Scene(objects: [], materials: {\"m\": (texture: \"t.png\")})";

@@ -1,13 +1,10 @@
 //! What is said of the shipped paths, and of walks through what stands in the shipped gallery.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::{shipped_path, shipped_scene};
 use flythrough::camera::CameraPath;
 use flythrough::camera_formats::load_camera_path;
 use flythrough::input::InputFiles;
 use flythrough::preflight::{Oddity, preflight};
-use support::{shipped_path, shipped_scene};
 
 const NEAR: f64 = 0.1;
 

@@ -1,8 +1,7 @@
 //! Random estimates: their means are right, and they converge as fast as theory says.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::statistics::*;
+use crate::support::*;
 use flythrough::camera::Camera;
 use flythrough::integrator::LightSampler;
 use flythrough::metrics::mean;
@@ -12,8 +11,6 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::LazyLock;
-use support::statistics::*;
-use support::*;
 
 const SIZE: [u32; 2] = [16, 12];
 

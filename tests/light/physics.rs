@@ -1,12 +1,9 @@
 //! Direct light, materials and mirrors with known answers.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::*;
 use flythrough::integrator::IntegratorSettings;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
-use support::*;
 
 /// nori pa1: two parallel plates, camera between them, looking straight at the lower one. Radiance
 /// is albedo / pi I cos / d^2, with I = power / 4 pi.

@@ -1,14 +1,11 @@
 //! Flicker of noise that is known.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::*;
 use flythrough::film::Film;
 use flythrough::render::{Flicker, Match, Reprojection};
 use flythrough::sampling::Random;
 use glam::Vec3;
 use std::sync::LazyLock;
-use support::*;
 
 const WIDTH: u32 = 96;
 const HEIGHT: u32 = 72;

@@ -1,15 +1,12 @@
 //! Pictures of camera paths, as `flythrough path plot` makes them.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::{flythrough, root, scene, stderr};
 use base64::Engine;
 use flythrough::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
 use flythrough::drawing::path_plot::plot;
 use flythrough::scene::Scene;
 use glam::{DQuat, DVec2, DVec3};
 use resvg::usvg;
-use support::{flythrough, root, scene, stderr};
 
 const BLUE: &str = "#0072B2";
 const WIDE: f64 = 16.0 / 9.0;

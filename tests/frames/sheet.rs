@@ -1,15 +1,12 @@
 //! Contact sheets and previews: what a sequence shows, at a glance and before it is paid for.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::project::{ALL, KEYS, Project, changes, keys};
+use crate::support::*;
 use flythrough::math::color::srgb_to_linear;
 use glam::Vec3;
 use image::{Rgb, RgbImage};
 use std::fs;
 use std::path::{Path, PathBuf};
-use support::project::{ALL, KEYS, Project, changes, keys};
-use support::*;
 
 /// Blue to the right of a line and yellow to the left of it. In 41 frames the line goes from the right edge of the
 /// picture to the left one.

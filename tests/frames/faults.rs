@@ -1,9 +1,7 @@
 //! Whatever happens to a batch: nothing that is finished is lost, nothing that is there is half a frame, and the
 //! exit status says whether to try again. What needs a file system of its own needs root.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::*;
 use rustix::process::{Pid, Signal, kill_process};
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,7 +10,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
-use support::*;
 
 /// Interrupted: the same command goes on from there.
 const INTERRUPTED: Option<i32> = Some(75);

@@ -1,14 +1,11 @@
 //! The points that two frames show, beside what is known.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::*;
 use flythrough::camera::Camera;
 use flythrough::film::Film;
 use flythrough::render::Reprojection;
 use flythrough::scene::Scene;
 use glam::{DVec2, DVec3, Vec3};
-use support::*;
 
 const WIDTH: u32 = 96;
 const HEIGHT: u32 = 72;

@@ -1,11 +1,8 @@
 //! Scenes of the largest and the smallest numbers that are accepted: they render, to finite light.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::statistics::spread;
+use crate::support::*;
 use glam::DVec3;
-use support::statistics::spread;
-use support::*;
 
 /// Renders the objects and lights in each way, seen from `eye`, and returns the brightest channel.
 fn brightest(text: &str, eye: DVec3, target: DVec3, degrees: f64) -> f32 {

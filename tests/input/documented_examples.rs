@@ -3,7 +3,6 @@
 //! A fence ```` ```ron ```` holds a whole scene or camera path file. A second word names the part of a file
 //! that a fragment belongs to, as in ```` ```ron objects ````: the fragments of one document make one scene,
 //! and each ```` ```ron keyframes ```` a camera path of its own.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use flythrough::camera_formats::parse_camera_path;
 use flythrough::input::{InputFiles, load_scene};

@@ -1,12 +1,9 @@
 //! The program as its users meet it.
-#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod support;
-
+use crate::support::*;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
-use support::*;
 
 const PAIRS: [(&str, &str); 6] = [
     ("test", "test"),

@@ -38,7 +38,7 @@ pub enum Orientation {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment<D = DVec3> {
     /// What it looks like.
-    pub shape: Shape<D>,
+    pub interpolation: Interpolation<D>,
     /// Whether the camera starts from rest.
     pub ease_in: bool,
     /// Whether the camera comes to rest at its end.
@@ -47,21 +47,21 @@ pub struct Segment<D = DVec3> {
 
 /// What the way from a key to the next looks like.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape<D = DVec3> {
+pub enum Interpolation<D = DVec3> {
     /// There is none: the camera stays, and is at the next key at its time.
     Hold,
-    /// Straight, at an even pace.
+    /// Straight, at an even timing.
     Linear,
     /// A smooth curve without stops.
     CatmullRom,
     /// The position goes along a cubic with given derivatives by the share of the way, at its start
     /// and its end, at a pace that is even in that share; all else goes as with `CatmullRom`.
-    Cubic(D, D),
+    Hermite(D, D),
 }
 
 /// How all of a path is walked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pace {
+pub struct PathTiming {
     /// What decides when the camera passes the keys between the first and the last.
     pub speed: Speed,
     /// Whether the path ends where it starts, at its last key, and goes on there without a seam.
@@ -82,9 +82,9 @@ pub enum Speed {
     Constant,
 }
 
-impl Pace {
+impl PathTiming {
     /// Every key at its time, from the first to the last.
-    pub const BY_KEYS: Pace = Pace {
+    pub const BY_KEYS: PathTiming = PathTiming {
         speed: Speed::ByKeys,
         closed: false,
         ease_in: 0.0,
@@ -94,9 +94,9 @@ impl Pace {
 
 impl Segment {
     /// A segment of this shape that does not stop at its keys.
-    pub fn of(shape: Shape) -> Segment {
+    pub fn of(interpolation: Interpolation) -> Segment {
         Segment {
-            shape,
+            interpolation,
             ease_in: false,
             ease_out: false,
         }
@@ -105,10 +105,10 @@ impl Segment {
     /// How all but the position goes: derivatives are given of that alone.
     pub(super) fn beside_position<D>(&self) -> Segment<D> {
         Segment {
-            shape: match self.shape {
-                Shape::Hold => Shape::Hold,
-                Shape::Linear => Shape::Linear,
-                Shape::CatmullRom | Shape::Cubic(..) => Shape::CatmullRom,
+            interpolation: match self.interpolation {
+                Interpolation::Hold => Interpolation::Hold,
+                Interpolation::Linear => Interpolation::Linear,
+                Interpolation::CatmullRom | Interpolation::Hermite(..) => Interpolation::CatmullRom,
             },
             ease_in: self.ease_in,
             ease_out: self.ease_out,

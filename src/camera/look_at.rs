@@ -7,15 +7,20 @@ use glam::{DMat3, DVec3};
 const SMALLEST_SINE: f64 = 1e-7;
 
 /// How a camera looks at a point with +Y up, before it is rolled.
-pub(super) struct Look {
+pub(super) struct LookAt {
     /// From the point to the eye.
     offset: DVec3,
     pub(super) rotation: DMat3,
 }
 
-impl Look {
+impl LookAt {
     /// From `eye` to `target`. An error is about this frame and time.
-    pub(super) fn new(eye: DVec3, target: DVec3, frame: u32, time: f64) -> Result<Look, PathError> {
+    pub(super) fn new(
+        eye: DVec3,
+        target: DVec3,
+        frame: u32,
+        time: f64,
+    ) -> Result<LookAt, PathError> {
         let offset = eye - target;
         let Some(backward) = offset.try_normalize() else {
             return Err(PathError::LooksAtItself { frame, time });
@@ -24,12 +29,17 @@ impl Look {
             return Err(PathError::LooksVertically { frame, time });
         }
         let rotation = upright(backward, DVec3::Y);
-        Ok(Look { offset, rotation })
+        Ok(LookAt { offset, rotation })
     }
 
     /// Refuses a camera that since the frame before has passed through its point, or so straight over it that its picture
     /// is turned upside down while it hardly looks elsewhere.
-    pub(super) fn check_from(&self, before: &Look, frame: u32, time: f64) -> Result<(), PathError> {
+    pub(super) fn check_from(
+        &self,
+        before: &LookAt,
+        frame: u32,
+        time: f64,
+    ) -> Result<(), PathError> {
         const HARDLY: f64 = 0.5;
         let turned = before.rotation.z_axis.dot(self.rotation.z_axis);
         if before.rotation.x_axis.dot(self.rotation.x_axis) < 0.0 && turned > HARDLY {
@@ -52,7 +62,7 @@ impl Camera {
     pub fn look_at(eye: DVec3, target: DVec3, field_of_view: f64) -> Result<Camera, PathError> {
         Ok(Camera {
             position: eye,
-            rotation: Look::new(eye, target, 0, 0.0)?.rotation,
+            rotation: LookAt::new(eye, target, 0, 0.0)?.rotation,
             half_height: libm::tan(0.5 * field_of_view),
         })
     }

@@ -4,7 +4,7 @@
 #![doc = include_str!("../../paths/zoom.ron")]
 //! ```
 
-use crate::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape, Speed};
+use crate::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment, Speed};
 use crate::input::InputError;
 use crate::input::InputFiles;
 use crate::input::Settings;
@@ -116,7 +116,7 @@ pub fn parse_camera_path(file: &Path, bytes: &[u8]) -> Result<CameraPathInput, I
     {
         return check.refuse("fps", format!("gives more than {MOST_FRAMES} frames"));
     }
-    let pace = Pace {
+    let timing = PathTiming {
         speed: match parsed.speed {
             SpeedFile::ByKeys => Speed::ByKeys,
             SpeedFile::Constant => Speed::Constant,
@@ -125,7 +125,7 @@ pub fn parse_camera_path(file: &Path, bytes: &[u8]) -> Result<CameraPathInput, I
         ease_in: check.range("ease_in", parsed.ease_in, 0.0, LARGEST)?,
         ease_out: check.range("ease_out", parsed.ease_out, 0.0, LARGEST)?,
     };
-    match CameraPath::new(fps, &keys, &pace) {
+    match CameraPath::new(fps, &keys, &timing) {
         Ok(path) => Ok(CameraPathInput {
             path,
             settings: parsed.settings,
@@ -147,7 +147,7 @@ fn keyframe(check: Checker, index: usize, key: &KeyframeFile) -> Result<Keyframe
         position: check.vector(&name("position"), key.position)?,
         orientation: orientation(check, index, key)?,
         field_of_view,
-        segment: Segment::of(Shape::CatmullRom),
+        segment: Segment::of(Interpolation::CatmullRom),
     })
 }
 
@@ -261,25 +261,25 @@ fn segment(
         check.vector(&format!("keyframes[{key}].{field}"), given)
     };
     let (i, j) = (index, index + 1);
-    let shape = match interpolation {
-        InterpolationFile::Hold => Shape::Hold,
-        InterpolationFile::Linear => Shape::Linear,
-        InterpolationFile::CatmullRom => Shape::CatmullRom,
+    let interpolation = match interpolation {
+        InterpolationFile::Hold => Interpolation::Hold,
+        InterpolationFile::Linear => Interpolation::Linear,
+        InterpolationFile::CatmullRom => Interpolation::CatmullRom,
         InterpolationFile::Hermite => {
             let seconds = keys[j].time - keys[i].time;
-            Shape::Cubic(
+            Interpolation::Hermite(
                 vector(i, "velocity", files[i].velocity)? * seconds,
                 vector(j, "velocity", files[j].velocity)? * seconds,
             )
         }
-        InterpolationFile::Bezier => Shape::Cubic(
+        InterpolationFile::Bezier => Interpolation::Hermite(
             (vector(i, "handle_out", files[i].handle_out)? - keys[i].position) * 3.0,
             (keys[j].position - vector(j, "handle_in", files[j].handle_in)?) * 3.0,
         ),
     };
     let ease = files[i].ease;
     Ok(Segment {
-        shape,
+        interpolation,
         ease_in: matches!(ease, Some(EaseFile::In | EaseFile::InOut)),
         ease_out: matches!(ease, Some(EaseFile::Out | EaseFile::InOut)),
     })

@@ -1,16 +1,16 @@
 //! Where the camera touches the scene.
 
-use super::finding::Measured;
 use super::flight::Flight;
 use super::inside::{Sight, eye, frames_inside};
-use super::{Finding, Frames, Oddity};
+use super::warning::Measured;
+use super::{FrameRuns, PathWarning, WarningKind};
 use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::math::Ray;
 use crate::scene::Scene;
 use rayon::prelude::*;
 
-pub(super) fn find(scene: &Scene, flight: &Flight, near: f64) -> Vec<Finding> {
+pub(super) fn find(scene: &Scene, flight: &Flight, near: f64) -> Vec<PathWarning> {
     let cameras = flight.cameras.par_iter();
     let sights: Vec<Sight> = cameras.map(|camera| Sight::new(scene, camera)).collect();
     let passages = flight.steps(|from, to| passage(scene, from, to));
@@ -28,12 +28,15 @@ pub(super) fn find(scene: &Scene, flight: &Flight, near: f64) -> Vec<Finding> {
     let distances: Vec<Measured> = frames
         .filter_map(|frame| Some((frame, -distance(frame, near)?)))
         .collect();
-    let inside = Finding::of(&depths, |frame, depth| Oddity::Inside { frame, depth });
-    let through = (!through.is_empty()).then(|| Finding {
-        frames: Frames::of(through.iter().map(|&frame| frame as u32)),
-        kind: Oddity::Through,
+    let inside = PathWarning::of(&depths, |frame, depth| WarningKind::InsideSolid {
+        frame,
+        depth,
     });
-    let near = Finding::of(&distances, |frame, distance| Oddity::Near {
+    let through = (!through.is_empty()).then(|| PathWarning {
+        frames: FrameRuns::of(through.iter().map(|&frame| frame as u32)),
+        kind: WarningKind::CrossesSurface,
+    });
+    let near = PathWarning::of(&distances, |frame, distance| WarningKind::NearSurface {
         frame,
         distance: -distance,
         near,
@@ -76,7 +79,7 @@ mod tests {
     const NEAR: f64 = 0.1;
 
     /// At eye level, from the left to the right.
-    fn findings(scene: &Scene) -> Vec<Finding> {
+    fn findings(scene: &Scene) -> Vec<PathWarning> {
         let at = |x| DVec3::new(x, 1.7, 0.3);
         find(scene, &Flight::new(&walk(at(-2.41), at(2.39))), NEAR)
     }
@@ -109,15 +112,15 @@ mod tests {
             let meshes = [&room[..], std::slice::from_ref(pillar)].concat();
             let found = findings(&scene(meshes, &[]));
             assert_eq!(found.len(), 3, "{found:?}");
-            assert_eq!(found[0].frames, Frames::of(frames_between(-0.3, 0.9)));
+            assert_eq!(found[0].frames, FrameRuns::of(frames_between(-0.3, 0.9)));
             // The middle of 1.2 m is between frames.
-            let Oddity::Inside { frame: 14, depth } = found[0].kind else {
+            let WarningKind::InsideSolid { frame: 14, depth } = found[0].kind else {
                 panic!("{:?}", found[0].kind)
             };
             assert!((depth - 0.51).abs() < 1e-5, "{depth}");
-            assert_eq!(found[1].kind, Oddity::Through);
-            assert_eq!(found[1].frames, Frames::of([10, 16]));
-            let Oddity::Near { distance, .. } = found[2].kind else {
+            assert_eq!(found[1].kind, WarningKind::CrossesSurface);
+            assert_eq!(found[1].frames, FrameRuns::of([10, 16]));
+            let WarningKind::NearSurface { distance, .. } = found[2].kind else {
                 panic!("{:?}", found[2].kind)
             };
             assert!((distance - 0.09).abs() < 1e-5, "{distance}");
@@ -132,10 +135,10 @@ mod tests {
             let found = findings(&scene(vec![], spheres));
             let half = (0.62_f64.powi(2) - 0.2_f64.powi(2) - 0.3_f64.powi(2)).sqrt();
             let inside = frames_between(0.1 - half, 0.1 + half);
-            assert_eq!(found[0].frames, Frames::of(inside.iter().copied()));
-            assert!(matches!(found[0].kind, Oddity::Inside { .. }));
+            assert_eq!(found[0].frames, FrameRuns::of(inside.iter().copied()));
+            assert!(matches!(found[0].kind, WarningKind::InsideSolid { .. }));
             let passed = [inside[0] - 1, inside[inside.len() - 1]];
-            assert_eq!(found[1].frames, Frames::of(passed));
+            assert_eq!(found[1].frames, FrameRuns::of(passed));
         }
         assert_eq!(findings(&scene(vec![], &[sky])), []);
         // Past things in it, where it sees fronts, too.
@@ -151,8 +154,8 @@ mod tests {
             let min = DVec3::new(0.1, 0.0, -5.0);
             let wall = cuboid(min, DVec3::new(0.1 + thickness, 4.0, 5.0));
             let found = findings(&scene(vec![hall(), wall], &[]));
-            assert_eq!(found[0].kind, Oddity::Through, "{thickness}");
-            assert_eq!(found[0].frames, Frames::of([12]));
+            assert_eq!(found[0].kind, WarningKind::CrossesSurface, "{thickness}");
+            assert_eq!(found[0].frames, FrameRuns::of([12]));
         }
     }
 
@@ -166,8 +169,8 @@ mod tests {
         };
         for sheet in [sheet.clone(), inverted(sheet)] {
             let found = findings(&scene(vec![hall(), sheet], &[]));
-            assert_eq!(found[0].kind, Oddity::Through);
-            assert_eq!(found[0].frames, Frames::of([12]));
+            assert_eq!(found[0].kind, WarningKind::CrossesSurface);
+            assert_eq!(found[0].frames, FrameRuns::of([12]));
         }
     }
 
@@ -176,7 +179,7 @@ mod tests {
         let path = walk(DVec3::new(0.1, 1.7, 0.0), DVec3::new(6.0, 1.7, 0.0));
         let found = find(&scene(vec![hall()], &[]), &Flight::new(&path), 0.01);
         assert_eq!(found.len(), 1, "{found:?}");
-        assert_eq!(found[0].kind, Oddity::Through);
+        assert_eq!(found[0].kind, WarningKind::CrossesSurface);
     }
 
     #[test]
@@ -188,10 +191,10 @@ mod tests {
             let found = find(&scene, &flight(places.iter().map(camera).collect()), 1e-9);
             found
                 .into_iter()
-                .find(|f| matches!(f.kind, Oddity::Inside { .. }))
+                .find(|f| matches!(f.kind, WarningKind::InsideSolid { .. }))
         };
         let in_wall = found(&[-0.5, 0.0, 0.25, 0.4]).expect("inside");
-        assert_eq!(in_wall.frames, Frames::of([2, 3]));
+        assert_eq!(in_wall.frames, FrameRuns::of([2, 3]));
         assert_eq!(found(&[-0.5, 0.0, -0.25, -0.4]), None);
     }
 
@@ -204,8 +207,11 @@ mod tests {
         flight.cuts[3] = true;
         let found = find(&scene, &flight, NEAR);
         assert_eq!(found.len(), 1, "{found:?}");
-        assert_eq!(found[0].frames, Frames::of([2, 3]));
-        assert!(matches!(found[0].kind, Oddity::Inside { frame: 3, .. }));
+        assert_eq!(found[0].frames, FrameRuns::of([2, 3]));
+        assert!(matches!(
+            found[0].kind,
+            WarningKind::InsideSolid { frame: 3, .. }
+        ));
     }
 
     #[test]
@@ -216,7 +222,7 @@ mod tests {
             let found = find(scene, &Flight::new(&walk(at(-0.3), at(0.4))), 0.1);
             found
                 .iter()
-                .any(|f| matches!(f.kind, Oddity::Inside { .. }))
+                .any(|f| matches!(f.kind, WarningKind::InsideSolid { .. }))
         };
         assert!(is_inside(&scene(vec![hall()], &[ball])));
         // A ball that is all there is, one below the sky, and a house on a landscape, are rooms.
@@ -241,8 +247,8 @@ mod tests {
         };
         assert_eq!(found(0.1999), []);
         let all = &found(0.2001)[0];
-        assert_eq!(all.frames, Frames::of(0..=24));
-        let Oddity::Near { distance, .. } = all.kind else {
+        assert_eq!(all.frames, FrameRuns::of(0..=24));
+        let WarningKind::NearSurface { distance, .. } = all.kind else {
             panic!("{all:?}")
         };
         assert!((distance - 0.2).abs() < 1e-6);

@@ -1,4 +1,4 @@
-use crate::camera::{Camera, CameraPath, Steering};
+use crate::camera::{Camera, CameraPath, OrientationMode};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ pub(super) struct Flight {
     pub(super) is_closed: bool,
     /// Frames per second.
     pub(super) fps: f64,
-    pub(super) steering: Steering,
+    pub(super) orientation_mode: OrientationMode,
 }
 
 impl Flight {
@@ -24,7 +24,7 @@ impl Flight {
             cuts: frames.map(|frame| path.is_cut(frame)).collect(),
             is_closed: path.is_closed(),
             fps: timeline.fps,
-            steering: path.steering(),
+            orientation_mode: path.orientation_mode(),
         }
     }
 

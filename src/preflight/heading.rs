@@ -1,9 +1,9 @@
 //! Cameras that keep +Y up, or have a roll to it, and look almost straight up or down: their pictures spin.
 
-use super::finding::Measured;
 use super::flight::Flight;
-use super::{Finding, Oddity};
-use crate::camera::{Camera, Steering};
+use super::warning::Measured;
+use super::{PathWarning, WarningKind};
+use crate::camera::{Camera, OrientationMode};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -17,13 +17,15 @@ const MORE: f64 = 11.0;
 /// A camera whose right is horizontal but for so much keeps +Y up.
 const LEVEL: f64 = 1e-6;
 
-pub(super) fn find(flight: &Flight) -> Vec<Finding> {
+pub(super) fn find(flight: &Flight) -> Vec<PathWarning> {
     // The right of a camera without roll, whose picture is level.
-    let right = |camera: &Camera| match flight.steering {
-        Steering::Points => Some(DVec3::Y.cross(camera.rotation.z_axis)),
+    let right = |camera: &Camera| match flight.orientation_mode {
+        OrientationMode::LookAt => Some(DVec3::Y.cross(camera.rotation.z_axis)),
         // The path itself says how the picture turns.
-        Steering::Angles => None,
-        Steering::Rotations => Some(camera.rotation.x_axis).filter(|right| right.y.abs() < LEVEL),
+        OrientationMode::YawPitchRoll => None,
+        OrientationMode::Rotation => {
+            Some(camera.rotation.x_axis).filter(|right| right.y.abs() < LEVEL)
+        }
     };
     let turns = flight.steps(|from, to| {
         let heading = right(from)?.angle_between(right(to)?);
@@ -38,7 +40,7 @@ pub(super) fn find(flight: &Flight) -> Vec<Finding> {
         let up = flight.cameras[frame % count].rotation.z_axis.y.abs();
         up.min(1.0).acos()
     };
-    let finding = Finding::of(&found, |frame, turn| Oddity::Spinning {
+    let finding = PathWarning::of(&found, |frame, turn| WarningKind::SpinsNearVertical {
         frame,
         turn,
         from_vertical: from_vertical(frame as usize).min(from_vertical(frame as usize + 1)),
@@ -50,15 +52,15 @@ pub(super) fn find(flight: &Flight) -> Vec<Finding> {
 mod tests {
     use super::super::stage::{FPS, flight, path, still};
     use super::*;
-    use crate::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
+    use crate::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment};
     use glam::DMat3;
 
     /// Past a point 3 m below, so many metres beside it.
-    fn fly_over(beside: f64) -> Vec<Finding> {
+    fn fly_over(beside: f64) -> Vec<PathWarning> {
         let target = DVec3::new(beside, -3.0, 0.0);
         let at = |z| DVec3::new(0.0, 0.0, z);
         let keys = [(0.0, at(3.0), target), (4.0, at(-3.0), target)];
-        find(&Flight::new(&path(Shape::Linear, &keys)))
+        find(&Flight::new(&path(Interpolation::Linear, &keys)))
     }
 
     #[test]
@@ -66,7 +68,7 @@ mod tests {
         assert_eq!(fly_over(1.0), []);
         let found = fly_over(0.1);
         assert_eq!(found.len(), 1);
-        let Oddity::Spinning {
+        let WarningKind::SpinsNearVertical {
             frame,
             turn,
             from_vertical,
@@ -88,7 +90,7 @@ mod tests {
         let camera = |z: f64| still(DVec3::ZERO, DVec3::new(0.0, -1.0, z));
         let found = find(&flight([0.5, 0.12, -0.12, -0.5].map(camera).to_vec()));
         assert_eq!(found.len(), 1);
-        let Oddity::Spinning { frame: 1, turn, .. } = found[0].kind else {
+        let WarningKind::SpinsNearVertical { frame: 1, turn, .. } = found[0].kind else {
             panic!("{found:?}")
         };
         assert!((turn - PI).abs() < 1e-6);
@@ -102,10 +104,10 @@ mod tests {
             position: DVec3::new(0.0, 0.0, z),
             orientation,
             field_of_view: 1.0,
-            segment: Segment::of(Shape::Linear),
+            segment: Segment::of(Interpolation::Linear),
         };
         let found = |keys: [Keyframe; 2]| {
-            let path = CameraPath::new(FPS, &keys, &Pace::BY_KEYS).expect("a path");
+            let path = CameraPath::new(FPS, &keys, &PathTiming::BY_KEYS).expect("a path");
             find(&Flight::new(&path))
         };
         let rolled = [(0.0, 3.0), (4.0, -3.0)]

@@ -5,9 +5,8 @@
 //! what some rays of each frame meet.
 
 mod contact;
-mod finding;
 mod flight;
-mod frames;
+mod frame_runs;
 mod heading;
 mod inside;
 mod motion;
@@ -15,9 +14,10 @@ mod seam;
 #[cfg(test)]
 mod stage;
 mod strobing;
+mod warning;
 
-pub use finding::{Finding, Oddity};
-pub use frames::Frames;
+pub use frame_runs::FrameRuns;
+pub use warning::{PathWarning, WarningKind};
 
 use crate::camera::CameraPath;
 use crate::scene::Scene;
@@ -34,7 +34,7 @@ pub fn preflight(
     width: u32,
     height: u32,
     near: f64,
-) -> Vec<Finding> {
+) -> Vec<PathWarning> {
     let flight = Flight::new(path);
     let size = DVec2::new(width.into(), height.into());
     let mut findings = contact::find(scene, &flight, near);
@@ -49,7 +49,7 @@ pub fn preflight(
 mod tests {
     use super::stage::{hall, path, scene, walk};
     use super::*;
-    use crate::camera::Shape;
+    use crate::camera::Interpolation;
     use glam::DVec3;
 
     #[test]
@@ -63,7 +63,7 @@ mod tests {
             (4.0, at(-1.0, 0.0), target),
             (6.0, at(0.0, -2.0), target),
         ];
-        let path = path(Shape::CatmullRom, &keys);
+        let path = path(Interpolation::CatmullRom, &keys);
         assert_eq!(preflight(&scene, &path, 1280, 720, 0.1), []);
     }
 
@@ -74,7 +74,7 @@ mod tests {
         for path in [walk(far, far), walk(far, far + DVec3::X)] {
             assert_eq!(preflight(&nothing, &path, 1, 1, 0.1), []);
         }
-        let still = path(Shape::Linear, &[(0.0, far, DVec3::ZERO)]);
+        let still = path(Interpolation::Linear, &[(0.0, far, DVec3::ZERO)]);
         assert_eq!(preflight(&nothing, &still, 1280, 720, 0.1), []);
     }
 

@@ -1,8 +1,8 @@
 //! How evenly the camera moves and turns.
 
-use super::finding::Measured;
 use super::flight::Flight;
-use super::{Finding, Oddity};
+use super::warning::Measured;
+use super::{PathWarning, WarningKind};
 use glam::DVec3;
 
 /// A step so many times as long as the median is odd: ways in and out of rest and around corners make them
@@ -33,7 +33,7 @@ const LEAST_TURN: f64 = 1e-6;
 /// A change of the turning by so many pixels per second is not seen.
 const UNSEEN_PIXELS: f64 = 24.0;
 
-pub(super) fn find(flight: &Flight, height: u32) -> Vec<Finding> {
+pub(super) fn find(flight: &Flight, height: u32) -> Vec<PathWarning> {
     let cameras = flight.cameras.iter();
     let size = cameras.fold(0.0_f64, |size, camera| {
         size.max(camera.position.abs().max_element())
@@ -49,20 +49,24 @@ pub(super) fn find(flight: &Flight, height: u32) -> Vec<Finding> {
             .filter(|(_, length)| *length > FAST * usual)
             .collect();
         let usual_speed = usual * fps;
-        findings.extend(Finding::of(&fast, |frame, length| Oddity::Fast {
-            frame,
-            speed: length * fps,
-            usual: usual_speed,
+        findings.extend(PathWarning::of(&fast, |frame, length| {
+            WarningKind::SpeedSpike {
+                frame,
+                speed: length * fps,
+                usual: usual_speed,
+            }
         }));
         let jumps = jumps(&steps, |_| LEAST_JUMP * usual);
         let (at_seam, jumps) = apart(flight, jumps);
-        findings.extend(Finding::of(&jumps, |frame, jump| Oddity::VelocityJump {
-            frame,
-            jump: jump * fps,
-            usual: usual_speed,
+        findings.extend(PathWarning::of(&jumps, |frame, jump| {
+            WarningKind::VelocityJump {
+                frame,
+                jump: jump * fps,
+                usual: usual_speed,
+            }
         }));
-        findings.extend(Finding::of(&at_seam, |_, jump| {
-            Oddity::VelocityJumpAtSeam {
+        findings.extend(PathWarning::of(&at_seam, |_, jump| {
+            WarningKind::VelocityJumpAtSeam {
                 jump: jump * fps,
                 usual: usual_speed,
             }
@@ -73,12 +77,14 @@ pub(super) fn find(flight: &Flight, height: u32) -> Vec<Finding> {
         let unseen = |frame| UNSEEN_PIXELS / fps * pixel(frame);
         let jumps = jumps(&turns, |frame| unseen(frame).max(LEAST_JUMP * usual));
         let (at_seam, jumps) = apart(flight, jumps);
-        findings.extend(Finding::of(&jumps, |frame, jump| Oddity::TurnJump {
-            frame,
-            jump: jump * fps,
+        findings.extend(PathWarning::of(&jumps, |frame, jump| {
+            WarningKind::AngularVelocityJump {
+                frame,
+                jump: jump * fps,
+            }
         }));
-        findings.extend(Finding::of(&at_seam, |_, jump| Oddity::TurnJumpAtSeam {
-            jump: jump * fps,
+        findings.extend(PathWarning::of(&at_seam, |_, jump| {
+            WarningKind::AngularVelocityJumpAtSeam { jump: jump * fps }
         }));
     }
     findings
@@ -157,22 +163,22 @@ fn apart(flight: &Flight, found: Vec<Measured>) -> (Vec<Measured>, Vec<Measured>
 mod tests {
     use super::super::stage::{FPS, flight, path, still};
     use super::*;
-    use crate::camera::Shape::{self, CatmullRom, Linear};
-    use crate::camera::{CameraPath, Keyframe, Orientation, Pace, Segment};
-    use crate::preflight::Frames;
+    use crate::camera::Interpolation::{self, CatmullRom, Linear};
+    use crate::camera::{CameraPath, Keyframe, Orientation, PathTiming, Segment};
+    use crate::preflight::FrameRuns;
     use crate::sampling::Random;
     use std::f64::consts::{PI, TAU};
 
     const HEIGHT: u32 = 720;
 
     /// Looks at one point far away, so that it hardly turns.
-    fn of_places(shape: Shape, keys: &[(f64, f64, f64)]) -> Vec<Finding> {
+    fn of_places(interpolation: Interpolation, keys: &[(f64, f64, f64)]) -> Vec<PathWarning> {
         let target = DVec3::new(3.0, 0.0, -1e5);
         let keys: Vec<(f64, DVec3, DVec3)> = keys
             .iter()
             .map(|&(time, x, z)| (time, DVec3::new(x, 1.7, z), target))
             .collect();
-        find(&Flight::new(&path(shape, &keys)), HEIGHT)
+        find(&Flight::new(&path(interpolation, &keys)), HEIGHT)
     }
 
     const CORNER: [(f64, f64, f64); 3] = [(0.0, 0.0, 0.0), (2.0, 0.0, -2.0), (4.0, 1.0, -3.7)];
@@ -225,16 +231,16 @@ mod tests {
                     orientation: Orientation::YawPitchRoll(angles),
                     field_of_view: 1.0,
                     segment: Segment {
-                        shape: CatmullRom,
+                        interpolation: CatmullRom,
                         ease_in: is_eased,
                         ease_out: is_eased,
                     },
                 }
             };
             let keys: Vec<Keyframe> = (0..8).map(&mut key).collect();
-            let path = CameraPath::new(FPS, &keys, &Pace::BY_KEYS).expect("keys");
+            let path = CameraPath::new(FPS, &keys, &PathTiming::BY_KEYS).expect("keys");
             let mut found = find(&Flight::new(&path), HEIGHT);
-            found.retain(|finding| !matches!(finding.kind, Oddity::Fast { .. }));
+            found.retain(|finding| !matches!(finding.kind, WarningKind::SpeedSpike { .. }));
             assert_eq!(found, [], "{round}");
         }
     }
@@ -252,7 +258,7 @@ mod tests {
                     .iter()
                     .any(|runs| found[0].frames.runs() == runs)
             );
-            let Oddity::VelocityJump { jump, usual, .. } = found[0].kind else {
+            let WarningKind::VelocityJump { jump, usual, .. } = found[0].kind else {
                 panic!("{found:?}")
             };
             assert!((jump - 0.522).abs() < 0.02, "{jump}");
@@ -264,7 +270,7 @@ mod tests {
         assert_eq!(found.len(), 1);
         assert!(matches!(
             found[0].kind,
-            Oddity::VelocityJump { frame: 48, .. }
+            WarningKind::VelocityJump { frame: 48, .. }
         ));
         assert_eq!(of_places(Linear, &[stop[0], (0.7, 0.0, -0.7), stop[1]]), []);
     }
@@ -279,7 +285,7 @@ mod tests {
         ];
         let found = of_places(CatmullRom, &dash);
         assert_eq!(found.len(), 1, "{found:?}");
-        let Oddity::Fast { frame, speed, .. } = found[0].kind else {
+        let WarningKind::SpeedSpike { frame, speed, .. } = found[0].kind else {
             panic!("{found:?}")
         };
         assert!((72..96).contains(&frame) && speed > 5.0 && speed < 12.0);
@@ -292,7 +298,7 @@ mod tests {
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(matches!(
             found[0].kind,
-            Oddity::VelocityJump { frame: 30, .. }
+            WarningKind::VelocityJump { frame: 30, .. }
         ));
     }
 
@@ -306,7 +312,7 @@ mod tests {
             };
             let found = find(&flight((0..60).map(place).collect()), HEIGHT);
             assert_eq!(found.len(), 1, "{found:?}");
-            assert!(matches!(found[0].kind, Oddity::VelocityJump { .. }));
+            assert!(matches!(found[0].kind, WarningKind::VelocityJump { .. }));
             assert!(found[0].frames.count() >= 60 / period - 2);
         }
     }
@@ -323,7 +329,7 @@ mod tests {
             let found = find(&flight((0..80).map(camera).collect()), HEIGHT);
             assert_eq!(found.len(), usize::from(is_odd), "{found:?}");
             for finding in found {
-                let Oddity::TurnJump { frame: 40, jump } = finding.kind else {
+                let WarningKind::AngularVelocityJump { frame: 40, jump } = finding.kind else {
                     panic!("{finding:?}")
                 };
                 assert!((jump - PI / 9.0).abs() < 1e-9);
@@ -351,12 +357,15 @@ mod tests {
         let mut flight = flight(places.map(|place| still(place, DVec3::NEG_Z)).collect());
         let found = find(&flight, HEIGHT);
         assert_eq!(found.len(), 1);
-        assert_eq!(found[0].frames, Frames::of([100]));
+        assert_eq!(found[0].frames, FrameRuns::of([100]));
         flight.is_closed = true;
         let found = find(&flight, HEIGHT);
         assert_eq!(found.len(), 2);
-        assert_eq!(found[1].frames, Frames::of([0]));
-        assert!(matches!(found[1].kind, Oddity::VelocityJumpAtSeam { .. }));
+        assert_eq!(found[1].frames, FrameRuns::of([0]));
+        assert!(matches!(
+            found[1].kind,
+            WarningKind::VelocityJumpAtSeam { .. }
+        ));
         // A jump of the camera there is meant.
         flight.cuts[199] = true;
         assert_eq!(find(&flight, HEIGHT).len(), 1);

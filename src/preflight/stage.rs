@@ -1,7 +1,9 @@
 //! Scenes and paths of the tests.
 
 use super::flight::Flight;
-use crate::camera::{Camera, CameraPath, Keyframe, Orientation, Pace, Segment, Shape, Steering};
+use crate::camera::{
+    Camera, CameraPath, Interpolation, Keyframe, Orientation, OrientationMode, PathTiming, Segment,
+};
 use crate::geometry::{self, Sphere};
 use crate::material::Material;
 use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
@@ -11,23 +13,23 @@ use glam::{DVec3, Vec3};
 pub(super) const FPS: f64 = 24.0;
 
 /// A path through keys: their times, and where the camera is and looks at, 50 degrees high.
-pub(super) fn path(shape: Shape, keys: &[(f64, DVec3, DVec3)]) -> CameraPath {
+pub(super) fn path(interpolation: Interpolation, keys: &[(f64, DVec3, DVec3)]) -> CameraPath {
     let key = |&(time, position, target): &(f64, DVec3, DVec3)| Keyframe {
         time,
         position,
         orientation: Orientation::LookAt { target, roll: 0.0 },
         field_of_view: 50.0_f64.to_radians(),
-        segment: Segment::of(shape),
+        segment: Segment::of(interpolation),
     };
     let keys: Vec<Keyframe> = keys.iter().map(key).collect();
-    CameraPath::new(FPS, &keys, &Pace::BY_KEYS).expect("a path")
+    CameraPath::new(FPS, &keys, &PathTiming::BY_KEYS).expect("a path")
 }
 
 /// A straight walk of one second that looks along -Z.
 pub(super) fn walk(from: DVec3, to: DVec3) -> CameraPath {
     let ahead = DVec3::new(0.0, 0.0, -1e3);
     path(
-        Shape::Linear,
+        Interpolation::Linear,
         &[(0.0, from, from + ahead), (1.0, to, to + ahead)],
     )
 }
@@ -44,7 +46,7 @@ pub(super) fn flight(cameras: Vec<Camera>) -> Flight {
         cameras,
         is_closed: false,
         fps: FPS,
-        steering: Steering::Rotations,
+        orientation_mode: OrientationMode::Rotation,
     }
 }
 

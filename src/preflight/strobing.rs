@@ -1,8 +1,8 @@
 //! How far what is seen moves in the picture from one frame to the next.
 
-use super::finding::Measured;
 use super::flight::Flight;
-use super::{Finding, Oddity};
+use super::warning::Measured;
+use super::{PathWarning, WarningKind};
 use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::math::Ray;
@@ -17,14 +17,14 @@ const POINTS: [usize; 2] = [16, 9];
 /// less than half of that they are seen one by one.
 const LEAST_FRAMES: f64 = 72.0;
 
-pub(super) fn find(scene: &Scene, flight: &Flight, size: DVec2) -> Vec<Finding> {
+pub(super) fn find(scene: &Scene, flight: &Flight, size: DVec2) -> Vec<PathWarning> {
     let limit = size.x / LEAST_FRAMES;
     let moved = flight.steps(|from, to| movement(scene, from, to, size));
     let found: Vec<Measured> = (moved.into_iter().enumerate())
         .filter_map(|(frame, pixels)| Some((frame, pixels?)))
         .filter(|(_, pixels)| *pixels > limit)
         .collect();
-    let finding = Finding::of(&found, |frame, pixels| Oddity::Strobing {
+    let finding = PathWarning::of(&found, |frame, pixels| WarningKind::Strobing {
         frame,
         pixels,
         width: size.x,
@@ -65,7 +65,7 @@ fn movement(scene: &Scene, from: &Camera, to: &Camera, size: DVec2) -> f64 {
 mod tests {
     use super::super::stage::{FPS, flight, hall, path, scene, still, walk};
     use super::*;
-    use crate::camera::Shape;
+    use crate::camera::Interpolation;
     use glam::DVec3;
 
     const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
@@ -107,7 +107,7 @@ mod tests {
         assert_eq!(pan(15.0), []);
         let found = pan(60.0);
         assert_eq!(found[0].frames.runs(), [[0, 7]]);
-        let Oddity::Strobing {
+        let WarningKind::Strobing {
             pixels,
             seconds,
             least_seconds,
@@ -129,7 +129,7 @@ mod tests {
     fn turning_away_is_a_whole_picture() {
         let cameras = [DVec3::NEG_Z, DVec3::Z].map(|direction| still(DVec3::Y, direction));
         let found = find(&scene(vec![hall()], &[]), &flight(cameras.to_vec()), SIZE);
-        let Oddity::Strobing {
+        let WarningKind::Strobing {
             frame: 0, pixels, ..
         } = found[0].kind
         else {
@@ -148,7 +148,7 @@ mod tests {
         );
         let around = |x: f64| DVec3::new(x, 1.7, 3.0);
         let keys = [(0.0, around(-1.0), DVec3::Y), (2.0, around(1.0), DVec3::Y)];
-        let mut flight = Flight::new(&path(Shape::Linear, &keys));
+        let mut flight = Flight::new(&path(Interpolation::Linear, &keys));
         assert_eq!(find(&scene, &flight, SIZE), []);
         flight.cameras.push(still(at(0.0), DVec3::Z));
         flight.cuts.push(false);

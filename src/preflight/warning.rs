@@ -1,24 +1,24 @@
-use super::Frames;
+use super::FrameRuns;
 use std::fmt;
 use thiserror::Error;
 
 /// Something odd, and the frames that it is about.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Finding {
+pub struct PathWarning {
     /// The frames.
-    pub frames: Frames,
+    pub frames: FrameRuns,
     /// What is odd about them.
-    pub kind: Oddity,
+    pub kind: WarningKind,
 }
 
 /// What may be odd about frames of a path. `frame` is the one where it is worst.
 ///
 /// A step is counted with the frame that it leads away from, after the last frame of a closed path to the first.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub enum Oddity {
+pub enum WarningKind {
     /// The camera is in a wall, a statue, a ball.
     #[error("the camera is inside a body, {} m deep at frame {frame}", Short(*depth))]
-    Inside {
+    InsideSolid {
         /// The worst frame.
         frame: u32,
         /// The distance to the nearest surface, in metres.
@@ -26,10 +26,10 @@ pub enum Oddity {
     },
     /// There is a surface between the camera of each frame and that of the next.
     #[error("the camera passes through a surface on the way to the next frame")]
-    Through,
+    CrossesSurface,
     /// The camera is too close to a surface.
     #[error("a surface is nearer than {} m: {} m at frame {frame}", Short(*near), Short(*distance))]
-    Near {
+    NearSurface {
         /// The worst frame.
         frame: u32,
         /// The distance to the nearest surface, in metres.
@@ -42,7 +42,7 @@ pub enum Oddity {
         "the camera is much faster than elsewhere: {} m/s at frame {frame}, mostly {} m/s",
         Short(*speed), Short(*usual)
     )]
-    Fast {
+    SpeedSpike {
         /// The worst frame.
         frame: u32,
         /// The speed there, in metres per second.
@@ -68,13 +68,13 @@ pub enum Oddity {
         "the camera's turning jumps, by {} degrees/s at frame {frame}",
         Short(jump.to_degrees())
     )]
-    TurnJump {
+    AngularVelocityJump {
         /// The worst frame.
         frame: u32,
         /// The length of the change of the angular velocity, in radians per second.
         jump: f64,
     },
-    /// A [`Oddity::VelocityJump`] where a closed path goes on at its first frame.
+    /// A [`WarningKind::VelocityJump`] where a closed path goes on at its first frame.
     #[error(
         "where the path closes the camera's velocity jumps, by {} m/s, where {} m/s is its usual speed",
         Short(*jump), Short(*usual)
@@ -85,12 +85,12 @@ pub enum Oddity {
         /// The median speed of the frames in which the camera moves.
         usual: f64,
     },
-    /// A [`Oddity::TurnJump`] where a closed path goes on at its first frame.
+    /// A [`WarningKind::AngularVelocityJump`] where a closed path goes on at its first frame.
     #[error(
         "where the path closes the camera's turning jumps, by {} degrees/s",
         Short(jump.to_degrees())
     )]
-    TurnJumpAtSeam {
+    AngularVelocityJumpAtSeam {
         /// The length of the change of the angular velocity, in radians per second.
         jump: f64,
     },
@@ -100,7 +100,7 @@ pub enum Oddity {
          looks {} degrees from straight up or down",
         Short(turn.to_degrees()), Short(from_vertical.to_degrees())
     )]
-    Spinning {
+    SpinsNearVertical {
         /// The worst frame.
         frame: u32,
         /// How far the camera's heading turns to the next frame, in radians.
@@ -130,26 +130,29 @@ pub enum Oddity {
     #[error(
         "the last frame repeats the first; if the video runs in a loop, `closed: true` drops it"
     )]
-    RepeatsFirst,
+    RepeatsFirstFrame,
 }
 
 /// A frame and a number, the greater the worse it is.
 pub(super) type Measured = (usize, f64);
 
-impl Finding {
+impl PathWarning {
     /// What some frames, rising, have in common; none of no frames. The kind is made of the worst.
-    pub(super) fn of(found: &[Measured], kind: impl FnOnce(u32, f64) -> Oddity) -> Option<Finding> {
+    pub(super) fn of(
+        found: &[Measured],
+        kind: impl FnOnce(u32, f64) -> WarningKind,
+    ) -> Option<PathWarning> {
         // Of equals the first.
         let worse = |a: Measured, b: Measured| if b.1 > a.1 { b } else { a };
         let (frame, worst) = found.iter().copied().reduce(worse)?;
-        Some(Finding {
-            frames: Frames::of(found.iter().map(|(frame, _)| *frame as u32)),
+        Some(PathWarning {
+            frames: FrameRuns::of(found.iter().map(|(frame, _)| *frame as u32)),
             kind: kind(frame as u32, worst),
         })
     }
 }
 
-impl fmt::Display for Finding {
+impl fmt::Display for PathWarning {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{}: {}", self.frames, self.kind)
     }
@@ -192,17 +195,17 @@ mod tests {
 
     #[test]
     fn the_worst_frame_is_named() {
-        let kind = |frame, distance: f64| Oddity::Near {
+        let kind = |frame, distance: f64| WarningKind::NearSurface {
             frame,
             distance: -distance,
             near: 0.1,
         };
         let found = [(3, -0.05), (4, -0.02), (5, -0.02), (9, -0.08)];
-        let finding = Finding::of(&found, kind).expect("four frames");
+        let finding = PathWarning::of(&found, kind).expect("four frames");
         assert_eq!(
             finding.to_string(),
             "frames 3-5 and 9: a surface is nearer than 0.10 m: 0.020 m at frame 4"
         );
-        assert_eq!(Finding::of(&[], kind), None);
+        assert_eq!(PathWarning::of(&[], kind), None);
     }
 }

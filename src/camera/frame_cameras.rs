@@ -1,6 +1,8 @@
+//! The cameras of all frames of a video, as other programs keep them.
+
 use super::{Camera, CameraPath};
 
-/// A camera for each frame of a video and no way between them, as other programs keep it.
+/// A camera for each frame of a video, without a curve between them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameCameras {
     /// Frames per second.
@@ -9,7 +11,7 @@ pub struct FrameCameras {
     pub start: f64,
     /// In the order of the frames, at least one.
     pub cameras: Vec<Camera>,
-    /// The frames after which the camera jumps to the next; rising.
+    /// The frames after which there is a cut; rising.
     pub cuts: Vec<usize>,
 }
 
@@ -19,7 +21,7 @@ impl FrameCameras {
         self.start + frame as f64 / self.fps
     }
 
-    /// Those of all frames of a path.
+    /// The cameras of all frames of a path.
     pub fn of(path: &CameraPath) -> FrameCameras {
         let timeline = path.timeline();
         let frames = 0..timeline.frame_count();

@@ -107,6 +107,7 @@ pub(super) fn parse(
         start: timeline.start,
         cuts: cuts.map(|frame| frame as usize).collect(),
         cameras: (0..count).map(frame).collect::<Result<_, _>>()?,
+        is_closed: false,
     })
 }
 

@@ -82,6 +82,7 @@ pub(super) fn parse(
         start: 0.0,
         cuts: Vec::new(),
         cameras: cameras.collect::<Result<_, _>>()?,
+        is_closed: false,
     };
     Ok((frames, size))
 }

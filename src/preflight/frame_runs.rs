@@ -1,9 +1,11 @@
+//! Frame numbers as runs, for messages.
+
 use std::fmt;
 
-/// So many runs of frames are listed, those after them are counted.
+/// The most runs that are listed; the frames of further ones are counted.
 const MOST_RUNS: usize = 8;
 
-/// Some frames of a path, at least one.
+/// Some frames of a path, at least one, as runs without gaps.
 ///
 /// Written as "frame 7" or "frames 120-131, 140 and 150".
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -5,7 +5,8 @@
 //! and each ```` ```ron keyframes ```` a camera path of its own.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-use flythrough::input::{InputFiles, load_scene, parse_camera_path};
+use flythrough::camera_formats::parse_camera_path;
+use flythrough::input::{InputFiles, load_scene};
 use std::path::Path;
 
 const DOCUMENTS: [&str; 6] = [

@@ -4,7 +4,7 @@
 mod support;
 
 use flythrough::bake::{Baked, bake, cache_errors};
-use flythrough::camera::{CameraPath, Keyframe, Orientation, PathTiming, Segment, Interpolation};
+use flythrough::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment};
 use flythrough::integrator::IntegratorSettings;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
 use flythrough::render::{RenderSettings, Renderer};

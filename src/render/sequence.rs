@@ -231,7 +231,7 @@ fn message(panic: &(dyn Any + Send)) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Keyframe, Orientation, PathTiming, Segment, Interpolation};
+    use crate::camera::{Interpolation, Keyframe, Orientation, PathTiming, Segment};
     use crate::integrator::IntegratorSettings;
     use crate::render::RenderSettings;
     use crate::scene::SceneBuilder;

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use flythrough::bake::{Baked, bake, cache_errors};
-use flythrough::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
+use flythrough::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment};
 use flythrough::integrator::IntegratorSettings;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
 use flythrough::render::{RenderSettings, Renderer};
@@ -19,10 +19,10 @@ fn glide(eyes: [DVec3; 2], target: DVec3) -> CameraPath {
         position,
         orientation: Orientation::LookAt { target, roll: 0.0 },
         field_of_view: 60_f64.to_radians(),
-        segment: Segment::of(Shape::Linear),
+        segment: Segment::of(Interpolation::Linear),
     };
     let keys: Vec<Keyframe> = [0.0, 1.0].into_iter().zip(eyes).map(key).collect();
-    CameraPath::new(8.0, &keys, &Pace::BY_KEYS).unwrap()
+    CameraPath::new(8.0, &keys, &PathTiming::BY_KEYS).unwrap()
 }
 
 /// From the left to the right of `scenes/test3.ron`.

@@ -14,7 +14,7 @@ use super::json;
 use crate::camera::{Camera, FrameCameras};
 use crate::input::InputError;
 use crate::input::Settings;
-use crate::input::check::{Checker, LARGEST};
+use crate::input::check::{Checker, MAX_MAGNITUDE};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -121,7 +121,7 @@ pub(super) fn parse(
 fn camera(check: Checker, index: usize, frame: &FrameJson) -> Result<Camera, InputError> {
     let name = |field: &str| format!("camera_path[{index}].{field}");
     let matrix = &frame.camera_to_world;
-    let fits = |number: &f64| number.abs() <= LARGEST;
+    let fits = |number: &f64| number.abs() <= MAX_MAGNITUDE;
     if matrix.len() != 16 || !matrix.iter().all(fits) {
         let message = "is not 16 numbers, a matrix row by row";
         return check.refuse(&name("camera_to_world"), message);

@@ -1,7 +1,7 @@
 //! The buffers and accessors of a glTF file (glTF 2.0 specification, section 3.6).
 
 use crate::input::InputError;
-use crate::input::check::{Checker, LARGEST};
+use crate::input::check::{Checker, MAX_MAGNITUDE};
 use crate::input::files::{InputFiles, relative_to};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -82,7 +82,7 @@ impl<'a> GltfBuffers<'a> {
             for (i, bytes) in bytes_of(i)?.chunks_exact(size).enumerate() {
                 element[i] = number(bytes);
             }
-            Some(element).filter(|element| element.abs().max_element() <= LARGEST)
+            Some(element).filter(|element| element.abs().max_element() <= MAX_MAGNITUDE)
         };
         match (0..count).map(element).collect() {
             Some(elements) => Ok(elements),

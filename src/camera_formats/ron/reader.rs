@@ -6,7 +6,7 @@ use crate::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming
 use crate::input::InputError;
 use crate::input::InputFiles;
 use crate::input::Settings;
-use crate::input::check::{Checker, LARGEST, Triple};
+use crate::input::check::{Checker, MAX_MAGNITUDE, Triple};
 use crate::input::ron_file;
 use crate::math::rotation_xyz;
 use glam::{DQuat, DVec3};
@@ -52,8 +52,8 @@ pub fn parse_camera_path(file: &Path, bytes: &[u8]) -> Result<CameraPathInput, I
             SpeedFile::Constant => Speed::Constant,
         },
         closed: parsed.closed,
-        ease_in: check.range("ease_in", parsed.ease_in, 0.0, LARGEST)?,
-        ease_out: check.range("ease_out", parsed.ease_out, 0.0, LARGEST)?,
+        ease_in: check.range("ease_in", parsed.ease_in, 0.0, MAX_MAGNITUDE)?,
+        ease_out: check.range("ease_out", parsed.ease_out, 0.0, MAX_MAGNITUDE)?,
     };
     match CameraPath::new(fps, &keys, &timing) {
         Ok(path) => Ok(CameraPathInput {
@@ -104,7 +104,12 @@ fn orientation(
         (Some(point), None, None, None) => Ok(Orientation::LookAt {
             target: check.vector(&name("look_at"), point)?,
             roll: check
-                .range(&name("roll"), key.roll.unwrap_or(0.0), -LARGEST, LARGEST)?
+                .range(
+                    &name("roll"),
+                    key.roll.unwrap_or(0.0),
+                    -MAX_MAGNITUDE,
+                    MAX_MAGNITUDE,
+                )?
                 .to_radians(),
         }),
         (None, Some(angles), None, None) => {

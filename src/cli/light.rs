@@ -130,7 +130,7 @@ impl PathLight {
 /// How much light there is, and its error.
 fn summary(baked: &Baked) -> String {
     let mut summary = String::new();
-    let [visible, secondary] = baked.cache.place_count();
+    let [visible, secondary] = baked.cache.record_count();
     let megabytes = baked.cache.memory() as f64 / 1e6;
     summary += &format!(
         "  {visible} places that the camera sees, {secondary} beyond, {megabytes:.1} MB in memory"

@@ -1,4 +1,5 @@
 use super::args::RenderArguments;
+use super::error_chart::error_chart;
 use super::frames::coarse_to_fine;
 use super::interrupt::Interrupt;
 use super::job::Job;
@@ -136,7 +137,7 @@ fn list(folder: &FrameFolder, cameras: &FrameCameras, changed: bool) -> bool {
     let list = || {
         if changed || !Manifest::is_right(folder) {
             folder.sync();
-            Manifest::update(folder)?;
+            Manifest::update(folder, error_chart)?;
         }
         folder.keep_cameras(cameras)
     };

@@ -6,11 +6,9 @@
 //! scene is.
 
 mod builder;
-mod spots;
 mod surface;
 
 pub use builder::{MeshMaterial, SceneBuilder, SourceMesh};
-pub use spots::Spots;
 pub use surface::Surface;
 
 use crate::accel::{Bvh, Points, Sight, Traversal};
@@ -20,7 +18,6 @@ use crate::material::{FeatureSet, Material};
 use crate::math::{Aabb, Ray};
 use crate::texture::Texture;
 use glam::{DVec3, Vec3};
-use std::sync::OnceLock;
 
 /// Everything that can be seen, and the lights that show it.
 #[derive(Debug)]
@@ -43,8 +40,6 @@ pub struct Scene {
     /// What its surfaces need: the code that is generic over it relies on that.
     features: FeatureSet,
     bvh: Bvh,
-    /// Looked for when they are first asked for: ray tracing never does.
-    spots: OnceLock<Spots>,
     /// The largest absolute coordinate of any shape.
     magnitude: f32,
 }
@@ -60,6 +55,11 @@ struct Triangle {
 }
 
 impl Scene {
+    /// The nearest hit of a ray, or none.
+    pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Option<Hit> {
+        self.bvh.closest(ray, traversal)
+    }
+
     /// The nearest hit, or none, of each of some rays that run side by side.
     pub fn closest_of_packet(
         &self,
@@ -104,12 +104,6 @@ impl Scene {
     /// What its surfaces need.
     pub fn features(&self) -> FeatureSet {
         self.features
-    }
-
-    /// The lights close to surfaces.
-    #[inline]
-    pub fn spots(&self) -> &Spots {
-        self.spots.get_or_init(|| Spots::find(self))
     }
 
     /// The box around all shapes, relative to [`Scene::origin`]; empty for an empty scene.

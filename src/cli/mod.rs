@@ -5,6 +5,7 @@ mod args;
 mod audit;
 mod bake;
 mod check;
+mod error_chart;
 mod frames;
 mod interrupt;
 mod job_args;

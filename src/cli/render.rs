@@ -1,6 +1,7 @@
 //! `render`: the frames of a camera path.
 
 use super::bake::bake;
+use super::error_chart::error_chart;
 use super::frames::{FrameRanges, coarse_to_fine};
 use super::interrupt::Interrupt;
 use super::job_args::JobArguments;
@@ -207,7 +208,7 @@ fn list(folder: &FrameFolder, job: &Job, changed: bool) -> bool {
     let list = || {
         if changed || !Manifest::is_right(folder) {
             folder.sync();
-            Manifest::update(folder)?;
+            Manifest::update(folder, error_chart)?;
         }
         folder.write_camera_table(&camera_table(&FrameCameras::of(&job.inputs().path.path))?)
     };

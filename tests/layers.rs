@@ -88,6 +88,18 @@ fn no_files_import_each_other_in_a_circle() {
 }
 
 #[test]
+fn every_file_says_what_it_holds() {
+    let mut silent = Vec::new();
+    for file in read_crate().into_values() {
+        let text = fs::read_to_string(root().join(&file.name)).expect("text");
+        if !text.starts_with("//! ") {
+            silent.push(file.name);
+        }
+    }
+    assert!(silent.is_empty(), "without `//!` at the top: {silent:#?}");
+}
+
+#[test]
 fn every_form_of_import_is_found() {
     let text = r##"
         //! [`crate::comment`]

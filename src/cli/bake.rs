@@ -87,7 +87,7 @@ pub(super) fn bake(job: &mut Job, quiet: bool) -> Result<(), Failure> {
 
 /// How large the cache is, and its error.
 fn summary(baked: &Baked) -> String {
-    let [primary, secondary] = baked.cache.place_count();
+    let [primary, secondary] = baked.cache.record_count();
     let megabytes = baked.cache.memory() as f64 / 1e6;
     let mut summary =
         format!("  {primary} primary, {secondary} secondary records, {megabytes:.1} MB in memory");

@@ -16,7 +16,7 @@ mod tests;
 mod verify;
 
 #[cfg(feature = "plots")]
-pub use contact_sheet::ContactSheet;
+pub use contact_sheet::write_contact_sheet;
 pub use exr::{decode as decode_exr, encode as encode_exr, note as note_of_exr};
 pub use folder::{FolderError, FrameFolder, Slot};
 pub use format::FrameFormat;

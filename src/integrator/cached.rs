@@ -39,10 +39,10 @@ impl CachedIrradiance<'_> {
                 points.push((point.position, point.shading_normal));
             }
         }
-        let primary = &self.cache.visible[wavefront.bounces_left as usize - 1];
+        let primary = &self.cache.primary[wavefront.bounces_left as usize - 1];
         let mut indirect = vec![Vec3::ZERO; count];
         let mut missed = Vec::new();
-        for (index, light) in indices.into_iter().zip(primary.lights(&points)) {
+        for (index, light) in indices.into_iter().zip(primary.mean_radiance(&points)) {
             match light {
                 Some(light) => indirect[index] = light,
                 None => missed.push(index),

@@ -1,115 +1,115 @@
-//! Look-ups, compiled for each set of instructions. The lanes are the same to the last bit: nothing in them is
-//! fused or reordered.
+//! Look-ups, compiled for each SIMD instruction set. Results are equal to the last bit: no operation is fused or
+//! reordered.
 #![expect(
     unsafe_code,
     reason = "calls into code compiled for a detected processor"
 )]
 
-use super::IrradianceRecords;
+use super::linear::LinearIrradiance;
 use super::lookup::{self, LANES};
-use super::primary::LinearIrradiance;
+use super::records::IrradianceRecords;
 use glam::Vec3;
 
 type Points = [(Vec3, Vec3); LANES];
-type Lights = [Option<Vec3>; LANES];
+type Values = [Option<Vec3>; LANES];
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f")]
-fn lights_avx512(
+fn interpolate_avx512(
     points: &Points,
-    numbers: &[u32],
-    places: &IrradianceRecords,
-    light: &[LinearIrradiance],
-) -> Lights {
-    lookup::lights(points, numbers, places, light)
+    candidates: &[u32],
+    records: &IrradianceRecords,
+    values: &[LinearIrradiance],
+) -> Values {
+    lookup::interpolate(points, candidates, records, values)
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn lights_avx2(
+fn interpolate_avx2(
     points: &Points,
-    numbers: &[u32],
-    places: &IrradianceRecords,
-    light: &[LinearIrradiance],
-) -> Lights {
-    lookup::lights(points, numbers, places, light)
+    candidates: &[u32],
+    records: &IrradianceRecords,
+    values: &[LinearIrradiance],
+) -> Values {
+    lookup::interpolate(points, candidates, records, values)
 }
 
-/// [`lookup::lights`] with the best instructions that this processor has.
+/// [`lookup::interpolate`] with the widest instruction set of this processor.
 #[inline]
-pub(super) fn lights(
+pub(super) fn interpolate(
     points: &Points,
-    numbers: &[u32],
-    places: &IrradianceRecords,
-    light: &[LinearIrradiance],
-) -> Lights {
+    candidates: &[u32],
+    records: &IrradianceRecords,
+    values: &[LinearIrradiance],
+) -> Values {
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f") {
             // SAFETY: the instructions were detected.
-            return unsafe { lights_avx512(points, numbers, places, light) };
+            return unsafe { interpolate_avx512(points, candidates, records, values) };
         }
         if is_x86_feature_detected!("avx2") {
             // SAFETY: the instructions were detected.
-            return unsafe { lights_avx2(points, numbers, places, light) };
+            return unsafe { interpolate_avx2(points, candidates, records, values) };
         }
     }
-    lookup::lights(points, numbers, places, light)
+    lookup::interpolate(points, candidates, records, values)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{IrradianceRecord, OccluderPlanes};
+    use super::super::record::{IrradianceRecord, OccluderPlanes};
     use super::*;
     use crate::math::Aabb;
     use crate::sampling::Random;
 
-    /// Whatever the processor has, and plain code.
+    /// Instruction sets of this processor and portable code.
     #[test]
-    fn all_instructions_agree_to_the_bit() {
+    fn all_instruction_sets_agree_to_the_bit() {
         let mut random = Random::new(11);
         let bounds = Aabb {
             min: Vec3::splat(-1.0),
             max: Vec3::ONE,
         };
-        let mut places = IrradianceRecords::new(bounds, 0.6);
-        let mut light = Vec::new();
+        let mut records = IrradianceRecords::new(bounds, 0.6);
+        let mut values = Vec::new();
         for number in 0..500 {
-            let mut walls = OccluderPlanes::default();
+            let mut occluders = OccluderPlanes::default();
             if number % 3 == 0 {
-                walls.add(random.vector(1.0), random.vector(1.0).normalize(), 0.3);
+                occluders.add(random.vector(1.0), random.vector(1.0).normalize(), 0.3);
             }
-            places.push(IrradianceRecord {
+            records.push(IrradianceRecord {
                 position: random.vector(1.0),
                 normal: random.vector(1.0).normalize(),
                 radius: 0.2 + random.unit(),
-                walls,
+                occluders,
             });
-            light.push(LinearIrradiance {
-                light: random.vector(1.0),
+            values.push(LinearIrradiance {
+                mean_radiance: random.vector(1.0),
                 gradient: [0, 1, 2].map(|_| random.vector(1.0)),
             });
         }
-        let numbers: Vec<u32> = (0..500).collect();
-        let mut known = 0;
+        let candidates: Vec<u32> = (0..500).collect();
+        let mut covered = 0;
         for _ in 0..50 {
             let points = [(); LANES].map(|()| {
-                let near = 0.2 * random.vector(1.0);
-                (near, random.vector(1.0).normalize())
+                let position = 0.2 * random.vector(1.0);
+                (position, random.vector(1.0).normalize())
             });
-            let plain = lookup::lights(&points, &numbers, &places, &light);
-            let best = lights(&points, &numbers, &places, &light);
-            let bits = |light: Option<Vec3>| light.map(|light| light.to_array().map(f32::to_bits));
+            let plain = lookup::interpolate(&points, &candidates, &records, &values);
+            let best = interpolate(&points, &candidates, &records, &values);
+            let bits = |value: Option<Vec3>| value.map(|value| value.to_array().map(f32::to_bits));
             assert_eq!(plain.map(bits), best.map(bits));
-            known += plain.iter().flatten().count();
+            covered += plain.iter().flatten().count();
         }
-        assert!(known > 50 * LANES / 2, "{known}");
+        assert!(covered > 50 * LANES / 2, "{covered}");
         #[cfg(target_arch = "x86_64")]
         if is_x86_feature_detected!("avx2") {
             let points = [(Vec3::ZERO, Vec3::Y); LANES];
-            let plain = lookup::lights(&points, &numbers, &places, &light);
+            let plain = lookup::interpolate(&points, &candidates, &records, &values);
             // SAFETY: the instructions were detected.
-            let vector = unsafe { lights_avx2(&points, &numbers, &places, &light) };
+            let vector = unsafe { interpolate_avx2(&points, &candidates, &records, &values) };
             assert_eq!(plain, vector);
         }
     }

@@ -1,47 +1,49 @@
-use super::IrradianceRecords;
-use super::primary::LinearIrradiance;
+//! Interpolation between records at a packet of points: the modified Shepard method, in lanes.
+
+use super::linear::LinearIrradiance;
 use super::record::{HEIGHT, IrradianceRecord};
+use super::records::IrradianceRecords;
 use crate::math::Aabb;
 use glam::Vec3;
 
-/// So many points are looked up together.
+/// Points that are looked up together.
 pub(super) const LANES: usize = 16;
 
 type Lanes = [f32; LANES];
 
-/// The mean of what the places with the numbers given say at points with unit normals; none where they say
-/// nothing. Each point gets what it would get alone.
+/// The weighted mean of the values of the candidate records at points with unit normals; none where no candidate
+/// covers a point. The result at a point does not depend on the other points.
 #[inline(always)]
-pub(super) fn lights(
+pub(super) fn interpolate(
     points: &[(Vec3, Vec3); LANES],
-    numbers: &[u32],
-    places: &IrradianceRecords,
-    light: &[LinearIrradiance],
+    candidates: &[u32],
+    records: &IrradianceRecords,
+    values: &[LinearIrradiance],
 ) -> [Option<Vec3>; LANES] {
-    let mut look_up = LookUp::new(points, places.turn());
-    for &number in numbers {
+    let mut sums = WeightedSums::new(points, records.normal_weight());
+    for &number in candidates {
         let number = number as usize;
-        look_up.add(&places[number], &light[number]);
+        sums.add(&records[number], &values[number]);
     }
-    look_up.lights()
+    sums.means()
 }
 
-/// Points, coordinate by coordinate, and the sums of what places say there. Plain loops over lanes, which
-/// become vector code; no lane knows of another.
-struct LookUp {
+/// Points, as structure of arrays, and the weighted sums of values there. Plain loops over independent lanes,
+/// which compile to vector code.
+struct WeightedSums {
     position: [Lanes; 3],
     normal: [Lanes; 3],
-    turn: f32,
-    /// The middle of the points, and how far they are from it.
+    normal_weight: f32,
+    /// Bounding sphere of the points.
     center: Vec3,
-    extent: f32,
+    bounding_radius: f32,
     sums: [Lanes; 3],
     weights: Lanes,
 }
 
-impl LookUp {
+impl WeightedSums {
     #[inline(always)]
-    fn new(points: &[(Vec3, Vec3); LANES], turn: f32) -> LookUp {
+    fn new(points: &[(Vec3, Vec3); LANES], normal_weight: f32) -> WeightedSums {
         let (mut position, mut normal) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
         for (lane, (p, n)) in points.iter().enumerate() {
             for axis in 0..3 {
@@ -50,68 +52,69 @@ impl LookUp {
             }
         }
         let bounds = Aabb::of(points.iter().map(|(position, _)| *position));
-        LookUp {
+        WeightedSums {
             position,
             normal,
-            turn,
+            normal_weight,
             center: bounds.center(),
-            extent: 0.5 * bounds.extent().length(),
+            bounding_radius: 0.5 * bounds.extent().length(),
             sums: [[0.0; LANES]; 3],
             weights: [0.0; LANES],
         }
     }
 
-    /// Whether a place may reach any of the points.
+    /// Whether a record may cover any of the points.
     #[inline]
-    fn may_reach(&self, place: &IrradianceRecord) -> bool {
+    fn may_cover(&self, record: &IrradianceRecord) -> bool {
         const ROUNDING: f32 = 1.001;
-        let reach = ROUNDING * (place.radius + self.extent);
-        place.position.distance_squared(self.center) < reach * reach
+        let distance = ROUNDING * (record.radius + self.bounding_radius);
+        record.position.distance_squared(self.center) < distance * distance
     }
 
-    /// Adds what a place says, with its [`IrradianceRecord::weight`].
+    /// Adds a record's value, with its [`IrradianceRecord::weight`] for a support radius of 1.
     #[inline(always)]
-    fn add(&mut self, place: &IrradianceRecord, light: &LinearIrradiance) {
-        if !self.may_reach(place) {
+    fn add(&mut self, record: &IrradianceRecord, value: &LinearIrradiance) {
+        if !self.may_cover(record) {
             return;
         }
         let [px, py, pz] = &self.position;
         let [nx, ny, nz] = &self.normal;
-        let (p, n) = (place.position, place.normal);
-        let scale = 1.0 / (place.radius * place.radius);
+        let (p, n) = (record.position, record.normal);
+        let scale = 1.0 / (record.radius * record.radius);
         let mut weights = [0.0; LANES];
         for (lane, weight) in weights.iter_mut().enumerate() {
             let (x, y, z) = (px[lane] - p.x, py[lane] - p.y, pz[lane] - p.z);
             let height = x * n.x + y * n.y + z * n.z;
             let squared = x * x + y * y + z * z + HEIGHT * height * height;
             let cos = nx[lane] * n.x + ny[lane] * n.y + nz[lane] * n.z;
-            let rest = (1.0 - (squared * scale + (1.0 - cos) * self.turn)).max(0.0);
+            let rest = (1.0 - (squared * scale + (1.0 - cos) * self.normal_weight)).max(0.0);
             *weight = rest * rest * scale;
         }
-        if is_none(&weights) {
+        if all_zero(&weights) {
             return;
         }
-        for plane in place.walls.planes() {
+        for plane in record.occluders.planes() {
             for (lane, weight) in weights.iter_mut().enumerate() {
-                let before = plane.x * px[lane] + plane.y * py[lane] + plane.z * pz[lane] + plane.w;
-                *weight = if before < 0.0 { 0.0 } else { *weight };
+                let distance =
+                    plane.x * px[lane] + plane.y * py[lane] + plane.z * pz[lane] + plane.w;
+                *weight = if distance < 0.0 { 0.0 } else { *weight };
             }
         }
         for (sum, weight) in self.weights.iter_mut().zip(weights) {
             *sum += weight;
         }
         for (channel, sums) in self.sums.iter_mut().enumerate() {
-            let (middle, gradient) = (light.light[channel], light.gradient[channel]);
+            let (center, gradient) = (value.mean_radiance[channel], value.gradient[channel]);
             for (lane, sum) in sums.iter_mut().enumerate() {
                 let (x, y, z) = (px[lane] - p.x, py[lane] - p.y, pz[lane] - p.z);
-                let light = middle + (gradient.x * x + gradient.y * y + gradient.z * z);
-                *sum += weights[lane] * light;
+                let value = center + (gradient.x * x + gradient.y * y + gradient.z * z);
+                *sum += weights[lane] * value;
             }
         }
     }
 
     #[inline(always)]
-    fn lights(&self) -> [Option<Vec3>; LANES] {
+    fn means(&self) -> [Option<Vec3>; LANES] {
         let mut means = self.sums;
         for channel in &mut means {
             for (mean, weight) in channel.iter_mut().zip(&self.weights) {
@@ -119,70 +122,70 @@ impl LookUp {
             }
         }
         let [red, green, blue] = means;
-        let mut lights = [None; LANES];
-        for (lane, light) in lights.iter_mut().enumerate() {
+        let mut values = [None; LANES];
+        for (lane, value) in values.iter_mut().enumerate() {
             if self.weights[lane] > 0.0 {
-                *light = Some(Vec3::new(red[lane], green[lane], blue[lane]));
+                *value = Some(Vec3::new(red[lane], green[lane], blue[lane]));
             }
         }
-        lights
+        values
     }
 }
 
-/// Whether no weight is above 0; none is below.
-fn is_none(weights: &Lanes) -> bool {
-    weights.iter().fold(0, |any, w| any | w.to_bits()) == 0
+/// Whether all weights are +0; none is negative.
+fn all_zero(weights: &Lanes) -> bool {
+    weights.iter().fold(0, |bits, w| bits | w.to_bits()) == 0
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::OccluderPlanes;
+    use super::super::record::OccluderPlanes;
     use super::*;
     use crate::sampling::Random;
 
-    /// Lanes say what one point after the other would.
+    /// Lanes agree with the records evaluated one by one.
     #[test]
-    fn lanes_agree_with_places_one_by_one() {
+    fn lanes_agree_with_records_one_by_one() {
         let mut random = Random::new(1);
         let mut normal = move || random.vector(1.0).normalize();
         let mut random = Random::new(2);
         let points = [(); LANES].map(|()| (random.vector(1.0), normal()));
-        let turn = 0.7;
-        let mut look_up = LookUp::new(&points, turn);
+        let normal_weight = 0.7;
+        let mut lanes = WeightedSums::new(&points, normal_weight);
         let mut sums = [(Vec3::ZERO, 0.0); LANES];
         for _ in 0..400 {
-            let mut walls = OccluderPlanes::default();
+            let mut occluders = OccluderPlanes::default();
             if random.below(3) == 0 {
-                walls.add(random.vector(1.0), normal(), 0.5);
+                occluders.add(random.vector(1.0), normal(), 0.5);
             }
-            let place = IrradianceRecord {
+            let record = IrradianceRecord {
                 position: random.vector(1.0),
                 normal: normal(),
                 radius: 0.1 + random.unit(),
-                walls,
+                occluders,
             };
-            let light = LinearIrradiance {
-                light: random.vector(1.0) + 1.0,
+            let value = LinearIrradiance {
+                mean_radiance: random.vector(1.0) + 1.0,
                 gradient: [0, 1, 2].map(|_| random.vector(0.3)),
             };
-            look_up.add(&place, &light);
+            lanes.add(&record, &value);
             for ((position, normal), (sum, weights)) in points.iter().zip(&mut sums) {
-                let weight = place.weight(*position, *normal, turn, 1.0);
-                *sum += weight * light.at(position - place.position);
+                let weight = record.weight(*position, *normal, normal_weight, 1.0);
+                *sum += weight * value.at(position - record.position);
                 *weights += weight;
             }
         }
-        let mut known = 0;
-        for (light, (sum, weights)) in look_up.lights().into_iter().zip(sums) {
+        let mut covered = 0;
+        for (value, (sum, weights)) in lanes.means().into_iter().zip(sums) {
             let expected = (weights > 0.0).then(|| (sum / weights).max(Vec3::ZERO));
-            known += usize::from(expected.is_some());
-            match (light, expected) {
-                (Some(light), Some(expected)) => {
-                    assert!((light - expected).length() < 1e-5, "{light} {expected}");
+            covered += usize::from(expected.is_some());
+            match (value, expected) {
+                (Some(value), Some(expected)) => {
+                    assert!((value - expected).length() < 1e-5, "{value} {expected}");
                 }
-                (light, expected) => assert_eq!(light, expected),
+                (value, expected) => assert_eq!(value, expected),
             }
         }
-        assert!(known > LANES / 2);
+        assert!(covered > LANES / 2);
     }
 }

@@ -58,7 +58,7 @@ impl BakedCache {
             seconds: seconds.wall,
             cpu_seconds: seconds.cpu,
             frames: inputs.path.timeline().frame_count(),
-            records: baked.cache.place_count(),
+            records: baked.cache.record_count(),
             bytes: baked.cache.memory(),
         };
         BakedCache { baked, bake }

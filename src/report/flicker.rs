@@ -259,7 +259,7 @@ fn mean_of([a, b]: &[TwoFrames; 2]) -> TwoFrames {
 
 /// A weighted sum of two pictures, frame by frame.
 fn mixed(of: &TwoFrames, other: &TwoFrames, weights: [f32; 2]) -> TwoFrames {
-    [0, 1].map(|i| of[i].mixed(weights[0], &other[i], weights[1]))
+    [0, 1].map(|i| of[i].weighted_sum(weights[0], &other[i], weights[1]))
 }
 
 #[cfg(test)]

@@ -93,7 +93,7 @@ until_so "the fourth task is rendering" is_rendering 21-27 00021
 kill -USR1 "$(ps -o ppid= -p "$(pgrep -f "render .* --frames 21-27")")"
 was_queued_again() { [ "$(scontrol show job "${array}_3" | sed -nE 's/.*Restarts=([0-9]+).*/\1/p')" = 1 ]; }
 until_so "the fourth task is queued again" was_queued_again
-is_over() { [ -z "$(squeue --noheader --name=render --states=all --format=%T | grep -vE 'COMPLETED|FAILED')" ]; }
+is_over() { ! squeue --noheader --name=render --states=all --format=%T | grep -vE 'COMPLETED|FAILED' >/dev/null; }
 until_so "all tasks are over" is_over
 
 [ "$("$FLYTHROUGH" missing --quiet "$frames" --format slurm --chunk 7)" = 2 ] || fail "other tasks than the third failed"

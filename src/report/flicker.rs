@@ -30,7 +30,7 @@ const REFERENCE_PATHS: u32 = 512;
 pub struct FlickerRow {
     /// The first of the two frames.
     pub frame: u32,
-    /// How the frames are rendered: one of [`KINDS`].
+    /// How the frames are rendered, in words.
     pub kind: &'static str,
     /// Root mean square of the change that neither motion nor interpolation explains, relative to the radiance.
     pub relative: f64,

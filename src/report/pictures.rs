@@ -30,7 +30,7 @@ pub(super) fn curves(inputs: &Inputs, measurements: &[Measurement]) -> Chart {
         }
     }
     Chart {
-        title: format!("{}: error for the time spent", inputs.title),
+        title: format!("{}: error against time", inputs.title),
         x: Axis {
             label: format!("seconds per frame of {width}x{height}"),
             logarithmic: true,

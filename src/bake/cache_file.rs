@@ -146,3 +146,26 @@ impl CacheFile {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SceneBuilder;
+
+    #[test]
+    fn caches_of_accepted_inputs_are_read() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("irradiance.cache");
+        let [ours, theirs] = ["ours", "theirs"].map(|text| blake3::hash(text.as_bytes()));
+        let (scene, _) = SceneBuilder::default().build();
+        let state = BakeState::new(&scene, 2, 0, 0);
+        let written = CacheFile::new(&file, theirs, Vec::new()).write(&state);
+        written.expect("written");
+        let read = |accepted| CacheFile::new(&file, ours, accepted).read(false);
+        assert!(matches!(
+            read(Vec::new()),
+            Err(CacheFileError::OtherInputs { .. })
+        ));
+        assert!(read(vec![theirs]).expect("accepted").is_some());
+    }
+}

@@ -1,3 +1,5 @@
+//! The file formats of frames: 8 and 16 bit PNG, OpenEXR.
+
 use super::picture::{Contents, Picture};
 use super::{exr, png_file};
 use crate::film::Film;

@@ -105,6 +105,6 @@ for frame in "$dir"/local/frame_*; do
     cmp "$frame" "$frames/${frame##*/}"
 done
 grep -q interrupted "$frames/logs/render_${array}_3.log" || fail "the fourth task was not interrupted"
-[[ $(submit) == *"all of them are proven"* ]] || fail "what is proven is submitted again"
+[[ $(submit) == *"all of them are verified"* ]] || fail "verified frames are submitted again"
 until_so "the second video is made" test "$video" -nt "$frames/logs/video.job"
 echo "slurm: one task killed, one out of time, all frames as of a local run"

@@ -1,4 +1,4 @@
-use crate::metrics::{falls_to, mean_around, normaliser};
+use crate::metrics::{invert_decreasing, local_mean, normaliser};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -27,7 +27,7 @@ impl SampleAllocation {
     ) -> SampleAllocation {
         let squares: Vec<Vec3> = deviations.iter().map(|d| d * d).collect();
         let around = |number: usize| {
-            let rings = [1, 2].map(|reach| mean_around(&squares, width, number, reach));
+            let rings = [1, 2].map(|reach| local_mean(&squares, width, number, reach));
             let rings = rings.into_iter().flatten();
             let (sum, count) = rings.fold((Vec3::ZERO, 0), |(sum, n), ring| (sum + ring, n + 1));
             // A frame of one point knows nothing else.
@@ -71,7 +71,7 @@ impl SampleAllocation {
         let deviations: f64 = self.variances.iter().map(|v| f64::from(v.sqrt())).sum();
         // Without rounding, and without those that have taken more already, this scale would do.
         let enough = 2.0 * deviations / goal.max(f64::MIN_POSITIVE);
-        let scale = falls_to(goal, enough, 32, error);
+        let scale = invert_decreasing(goal, enough, 32, error);
         points.clone().map(|number| passes(number, scale)).collect()
     }
 }

@@ -1,6 +1,6 @@
 use super::{Reprojection, reprojection};
 use crate::film::Film;
-use crate::metrics::DARK;
+use crate::metrics::RADIANCE_FLOOR;
 
 const TILE: usize = reprojection::TILE as usize;
 
@@ -45,7 +45,7 @@ impl Reprojection {
         white: f32,
     ) -> Flicker {
         let residuals = [picture, reference_a, reference_b].map(|films| self.residual(films));
-        let dark = f64::from(DARK * white).powi(2);
+        let dark = f64::from(RADIANCE_FLOOR * white).powi(2);
         let later = [reference_a[1], reference_b[1]];
         let product = |i: usize| {
             let [x, a, b] = residuals.each_ref().map(|of| of[i].as_dvec3());

@@ -44,14 +44,14 @@ filter test2.png null "$work/test2.png"
 # The sphere's edge, eight times enlarged: without and with supersampling.
 still rough test2 translate_rotate --mode raytracing --frames 0
 edge='crop=60:50:665:285,scale=480:400:flags=neighbor'
-filter edge.png "[0]$edge[a];[1]$edge[b];[a]pad=iw+8[a];[a][b]hstack" \
+filter edge.png "[0]${edge}[a];[1]${edge}[b];[a]pad=iw+8[a];[a][b]hstack" \
     "$work/rough.png" "$work/test2.png"
 
 # Green light on the white wall, in the corner behind the sphere.
 still direct test2 zoom --mode raytracing --samples 8 --frames 0 --size 720x405
 still gathered test2 zoom --mode montecarlo --samples 8 --frames 0 --size 720x405
 corner='crop=400:340:250:20'
-filter bleeding.png "[0]$corner,pad=iw+8[a];[1]$corner[b];[a][b]hstack" \
+filter bleeding.png "[0]$corner,pad=iw+8[a];[1]${corner}[b];[a][b]hstack" \
     "$work/direct.png" "$work/gathered.png"
 
 # Two shadows and their darker overlap.

@@ -12,7 +12,7 @@ use glam::Vec3;
 /// Paths of a final gather: few points need one, and every camera sample has its own.
 const GATHER_PATHS: u32 = 16;
 
-/// Looks the indirect light of camera samples up.
+/// The indirect light of camera samples, from a cache.
 pub(super) struct CachedIrradiance<'a> {
     pub(super) cache: &'a IrradianceCache,
     pub(super) final_gather: &'a FinalGather<'a>,

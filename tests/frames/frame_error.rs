@@ -180,7 +180,7 @@ fn halves_are_independent() {
         1_000_000,
     );
     let products = |seed| {
-        let [a, b] = frame(&settings, seed).halves();
+        let [a, b] = frame(&settings, seed).half_buffers();
         let [a, b, r] = [&a, &b, &reference.film].map(|film| channels(film.pixels()));
         let of = |i: usize| {
             let (a, b) = (a[i] - r[i], b[i] - r[i]);

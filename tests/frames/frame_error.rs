@@ -12,7 +12,7 @@ use std::sync::LazyLock;
 
 const SIZE: [u32; 2] = [80, 60];
 
-/// A Cornell box with a mirror, spots and two shadows.
+/// A Cornell box with a mirror, near lights and two shadows.
 static ROOM: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
     let camera = shipped_path("test3.ron").camera(20);
     (shipped_scene("test3.ron"), camera)

@@ -2,9 +2,10 @@
 
 use super::adaptive::SampleAllocation;
 use super::error_estimate::{ErrorEstimate, RelativeDeviations};
+use super::estimates::Estimates;
 use super::grid::{Grid, average_corners};
 use super::observer::{FrameObserver, NoObserver};
-use super::sampler::{Estimates, Sampler};
+use super::sampler::Sampler;
 use super::{PixelSampling, RenderSettings, Renderer};
 use crate::camera::Camera;
 use crate::film::Film;

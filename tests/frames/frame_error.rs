@@ -15,7 +15,7 @@ fn size() -> [u32; 2] {
     scaled([24, 18], [40, 30], [80, 60])
 }
 
-/// A Cornell box with a mirror, spots and two shadows.
+/// A Cornell box with a mirror, near lights and two shadows.
 static ROOM: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
     let camera = shipped_path("test3.ron").camera(20);
     (shipped_scene("test3.ron"), camera)
@@ -185,7 +185,7 @@ fn halves_are_independent() {
         1_000_000,
     );
     let products = |seed| {
-        let [a, b] = frame(&settings, seed).halves();
+        let [a, b] = frame(&settings, seed).half_buffers();
         let [a, b, r] = [&a, &b, &reference.film].map(|film| channels(film.pixels()));
         let of = |i: usize| {
             let (a, b) = (a[i] - r[i], b[i] - r[i]);

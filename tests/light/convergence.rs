@@ -22,7 +22,7 @@ fn log_of_paths() -> u32 {
 /// Of the runs whose errors are measured.
 const SEEDS: Range<u32> = 0..16;
 
-/// A Cornell box with a mirror, and with spots that a quarter of the rays are aimed at.
+/// A Cornell box with a mirror, and with a near light that guides a quarter of the diffuse rays.
 struct Room {
     scene: Scene,
     camera: Camera,

@@ -1,12 +1,13 @@
-use crate::camera::{Camera, CameraPath, Timeline};
+//! Speed, turn rate and zoom along a camera path.
+
+use crate::camera::{Camera, CameraPath, FrameCameras, Timeline};
 use glam::DVec3;
 use std::ops::Range;
 
-/// What a camera does along its path, frame by frame.
+/// The motion of a camera along its path, frame by frame.
 #[derive(Debug)]
 pub(super) struct Motion {
-    /// The camera of each frame, at least one; after the last of a closed path the first once more, as it goes on
-    /// there.
+    /// The camera of each frame, at least one; a closed path without a cut at its seam ends with the first again.
     pub(super) cameras: Vec<Camera>,
     /// Frames and their times.
     pub(super) timeline: Timeline,
@@ -14,7 +15,7 @@ pub(super) struct Motion {
     pub(super) aspect: f64,
     /// The times of the keys, in seconds.
     pub(super) keys: Vec<f64>,
-    /// Where the camera is at each.
+    /// The camera's position at each key.
     pub(super) key_positions: Vec<DVec3>,
     /// The frames between cuts, in their order.
     pub(super) shots: Vec<Range<u32>>,
@@ -22,26 +23,20 @@ pub(super) struct Motion {
 
 impl Motion {
     pub(super) fn of(path: &CameraPath, aspect: f64) -> Motion {
-        let frames = path.timeline().frame_count();
-        let goes_on = path.is_closed() && frames > 1 && !path.is_cut(frames - 1);
-        let count = frames + u32::from(goes_on);
-        let mut shots = Vec::new();
-        let mut start = 0;
-        for end in 1..=count {
-            if end == count || path.is_cut(end - 1) {
-                shots.push(start..end);
-                start = end;
-            }
+        let mut frames = FrameCameras::of(path);
+        let last = frames.cameras.len() - 1;
+        if frames.is_closed && last > 0 && !frames.is_cut(last) {
+            frames.cameras.push(frames.cameras[0]);
         }
+        let shots = frames.shots().into_iter();
+        let shots = shots.map(|shot| shot.start as u32..shot.end as u32);
         Motion {
-            cameras: (0..count)
-                .map(|frame| path.camera(frame % frames))
-                .collect(),
+            shots: shots.collect(),
+            cameras: frames.cameras,
             timeline: *path.timeline(),
             aspect,
             keys: path.keys().to_vec(),
             key_positions: path.key_positions(),
-            shots,
         }
     }
 
@@ -54,18 +49,18 @@ impl Motion {
         self.cameras.len() as u32
     }
 
-    /// The frame that is nearest to a time.
+    /// The frame nearest to a time.
     pub(super) fn frame_at(&self, time: f64) -> u32 {
         let last = self.frame_count() - 1;
         let duration = self.timeline.time_of(last) - self.timeline.start;
-        let share = (time - self.timeline.start) / duration;
+        let fraction = (time - self.timeline.start) / duration;
         // NaN for a still, which becomes 0.
-        (share * f64::from(last))
+        (fraction * f64::from(last))
             .round()
             .clamp(0.0, f64::from(last)) as u32
     }
 
-    /// How far the camera goes, in metres; jumps do not count.
+    /// The length of the path in metres, without cuts.
     pub(super) fn length(&self) -> f64 {
         self.shots
             .iter()
@@ -74,7 +69,7 @@ impl Motion {
             .sum()
     }
 
-    /// Metres per second of the video, in the middles between the frames of a shot: seconds and speeds.
+    /// Speeds between the frames of a shot: times in seconds and metres per second of the video.
     pub(super) fn speeds(&self, shot: &Range<u32>) -> Vec<(f64, f64)> {
         let speeds = self
             .steps(shot)
@@ -82,7 +77,7 @@ impl Motion {
         self.rates(shot, speeds)
     }
 
-    /// As [`Motion::speeds`], degrees per second by which the camera turns.
+    /// As [`Motion::speeds`], the turn rate in degrees per second.
     pub(super) fn turn_rates(&self, shot: &Range<u32>) -> Vec<(f64, f64)> {
         let turns = self
             .steps(shot)
@@ -90,7 +85,7 @@ impl Motion {
         self.rates(shot, turns)
     }
 
-    /// The vertical field of view of the frames of a shot: seconds and degrees.
+    /// The vertical field of view of the frames of a shot: times in seconds and degrees.
     pub(super) fn fields_of_view(&self, shot: &Range<u32>) -> Vec<(f64, f64)> {
         let of = |frame| {
             let degrees = self.camera(frame).field_of_view().to_degrees();

@@ -113,15 +113,21 @@ mod tests {
     use crate::camera::{Interpolation, Keyframe, Orientation, PathTiming, Segment};
     use glam::DQuat;
 
-    fn path(seconds: f64, turn: f64) -> CameraPath {
-        let key = |time: f64, x: f64, degrees: f64| Keyframe {
+    fn key(time: f64, x: f64, degrees: f64, interpolation: Interpolation) -> Keyframe {
+        Keyframe {
             time,
             position: DVec3::new(x, 0.0, 0.0),
             orientation: Orientation::Rotation(DQuat::from_rotation_y(degrees.to_radians())),
             field_of_view: 1.0,
-            segment: Segment::of(Interpolation::Linear),
-        };
-        let keys = [key(1.0, 0.0, 0.0), key(1.0 + seconds, 6.0, turn)];
+            segment: Segment::of(interpolation),
+        }
+    }
+
+    fn path(seconds: f64, turn: f64) -> CameraPath {
+        let keys = [
+            key(1.0, 0.0, 0.0, Interpolation::Linear),
+            key(1.0 + seconds, 6.0, turn, Interpolation::Linear),
+        ];
         CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("two keys")
     }
 
@@ -145,18 +151,11 @@ mod tests {
 
     #[test]
     fn shots_end_where_the_camera_jumps() {
-        let key = |time: f64, x: f64, interpolation| Keyframe {
-            time,
-            position: DVec3::new(x, 0.0, 0.0),
-            orientation: Orientation::Rotation(DQuat::IDENTITY),
-            field_of_view: 1.0,
-            segment: Segment::of(interpolation),
-        };
         let keys = [
-            key(0.0, 0.0, Interpolation::Linear),
-            key(1.0, 1.0, Interpolation::Hold),
-            key(2.0, 50.0, Interpolation::Linear),
-            key(3.0, 51.0, Interpolation::Linear),
+            key(0.0, 0.0, 0.0, Interpolation::Linear),
+            key(1.0, 1.0, 0.0, Interpolation::Hold),
+            key(2.0, 50.0, 0.0, Interpolation::Linear),
+            key(3.0, 51.0, 0.0, Interpolation::Linear),
         ];
         let path = CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("a path with a cut");
         let motion = Motion::of(&path, 1.5);
@@ -166,13 +165,7 @@ mod tests {
 
     #[test]
     fn closed_paths_are_closed() {
-        let key = |time: f64, x: f64| Keyframe {
-            time,
-            position: DVec3::new(x, 0.0, 0.0),
-            orientation: Orientation::Rotation(DQuat::IDENTITY),
-            field_of_view: 1.0,
-            segment: Segment::of(Interpolation::Linear),
-        };
+        let key = |time: f64, x: f64| key(time, x, 0.0, Interpolation::Linear);
         let keys = [key(0.0, 0.0), key(0.97, 1.0), key(2.0, 0.0)];
         let timing = PathTiming {
             closed: true,
@@ -194,13 +187,7 @@ mod tests {
         for (time, frame) in [(0.0, 0), (1.0, 0), (1.52, 5), (3.0, 20), (9.0, 20)] {
             assert_eq!(motion.frame_at(time), frame);
         }
-        let key = Keyframe {
-            time: 3.0,
-            position: DVec3::ZERO,
-            orientation: Orientation::Rotation(DQuat::IDENTITY),
-            field_of_view: 1.0,
-            segment: Segment::of(Interpolation::Linear),
-        };
+        let key = key(3.0, 0.0, 0.0, Interpolation::Linear);
         let still = CameraPath::new(24.0, &[key], &PathTiming::BY_KEYS).expect("a still");
         let still = Motion::of(&still, 1.0);
         assert_eq!(still.frame_at(3.0), 0);

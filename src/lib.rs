@@ -12,7 +12,7 @@
 //! | layer | modules | never know |
 //! |---|---|---|
 //! | 0 | [`math`], [`storage`] | anything above |
-//! | 1 | [`sampling`], [`geometry`], [`texture`], [`film`] | files, threads, the scene |
+//! | 1 | [`simd`], [`sampling`], [`geometry`], [`texture`], [`film`] | files, threads, the scene |
 //! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`metrics`], [`irradiance_cache`] | each other, files, threads |
 //! | 3 | [`scene`] | how light is gathered, files |
 //! | 4 | [`integrator`] | pixels, frames, time |
@@ -46,5 +46,6 @@ pub mod report;
 pub mod sampling;
 pub mod scene;
 pub mod selftest;
+pub mod simd;
 pub mod storage;
 pub mod texture;

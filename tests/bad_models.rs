@@ -88,7 +88,7 @@ fn oddities_are_said_and_do_not_stop() {
     let (status, message) = check(scene, &path(KEY), &[("m.obj", &latin1)]);
     assert_eq!(status, Some(0), "{message}");
     for expected in [
-        "m.obj: not used: 1 `f` of fewer than three corners, 1 `l`, 1 colours of `v`",
+        "m.obj: not used: 1 `f` of fewer than three vertices, 1 `l`, 1 colours of `v`",
         "m.obj: 2 triangles name no material",
         "objects[1] is scaled unevenly; it stays a sphere, its radius times the largest factor 3",
         "s.ron: there are no faces, so nothing of it is seen",

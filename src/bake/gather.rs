@@ -1,8 +1,8 @@
-use crate::accel::{Point, Traversal};
+use crate::accel::Traversal;
 use crate::integrator::{GatherPoint, gather};
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::sampling::Sequence;
-use crate::scene::Scene;
+use crate::scene::{Scene, SurfacePoint};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -18,7 +18,7 @@ pub(super) enum Purpose {
 }
 
 /// The random numbers of a point: they depend on where it is, not on when it was found.
-pub(super) fn numbers_of(point: &Point, seed: u32, purpose: Purpose, left: u32) -> Sequence {
+pub(super) fn numbers_of(point: &SurfacePoint, seed: u32, purpose: Purpose, left: u32) -> Sequence {
     let [x, y, z] = point.position.to_array().map(f32::to_bits);
     let [nx, ny, nz] = point.shading_normal.to_array().map(f32::to_bits);
     let side = nx ^ ny.rotate_left(11) ^ nz.rotate_left(22);
@@ -40,12 +40,12 @@ impl Gathering<'_> {
     /// The light at each point; `done` is told of each.
     pub(super) fn light(
         &self,
-        points: &[Point],
+        points: &[SurfacePoint],
         known: &SecondaryIrradiance,
         done: &(dyn Fn() + Sync),
     ) -> Vec<Vec3> {
-        let of_batch = |points: &[Point]| {
-            let gather_point = |point: &Point| GatherPoint {
+        let of_batch = |points: &[SurfacePoint]| {
+            let gather_point = |point: &SurfacePoint| GatherPoint {
                 point: *point,
                 sequence: numbers_of(point, self.seed, self.purpose, self.left),
                 index: 0,

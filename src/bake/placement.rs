@@ -1,10 +1,10 @@
 use super::gather::{Purpose, numbers_of};
-use crate::accel::{Point, Traversal};
+use crate::accel::Traversal;
 use crate::irradiance_cache::{IrradianceRecord, IrradianceRecords, OccluderPlanes};
 use crate::material::Only;
 use crate::math::Ray;
 use crate::sampling::uniform_sphere;
-use crate::scene::Scene;
+use crate::scene::{Scene, SurfacePoint};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -28,7 +28,7 @@ pub(super) struct Density {
 /// A point that should be near a place.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
-    pub(super) point: Point,
+    pub(super) point: SurfacePoint,
     /// Its place, if it gets one, is no smaller.
     pub(super) least_radius: f32,
 }
@@ -40,7 +40,7 @@ pub(super) struct Placement {
     seed: u32,
     pub(super) places: IrradianceRecords,
     /// The points in the middles of the places.
-    pub(super) points: Vec<Point>,
+    pub(super) points: Vec<SurfacePoint>,
     /// The harmonic mean distance of what each of them sees.
     distances: Vec<f32>,
 }
@@ -49,7 +49,7 @@ pub(super) struct Placement {
 struct Probe {
     harmonic_mean: f32,
     /// Points and their distances, the nearest first.
-    hits: Vec<(Point, f32)>,
+    hits: Vec<(SurfacePoint, f32)>,
 }
 
 impl Placement {
@@ -78,7 +78,7 @@ impl Placement {
     }
 
     fn is_covered(&self, candidate: &Candidate) -> bool {
-        let Point {
+        let SurfacePoint {
             position,
             shading_normal,
             ..
@@ -128,7 +128,7 @@ impl Placement {
     /// Adaptive Caching and Neighbor Clamping").
     fn push(&mut self, candidate: &Candidate, probe: &Probe) {
         let share = self.density.radius;
-        let Point {
+        let SurfacePoint {
             position,
             shading_normal,
             ..
@@ -158,18 +158,18 @@ impl Placement {
     }
 
     /// Looks around, evenly: what is near the horizon matters, too.
-    fn probe(&self, scene: &Scene, point: &Point) -> Probe {
+    fn probe(&self, scene: &Scene, point: &SurfacePoint) -> Probe {
         let numbers = numbers_of(point, self.seed, Purpose::Probes, 0);
         let ray = |index| {
             let [u, v] = numbers.sample_2d(index, 0);
             let direction = uniform_sphere(u, v);
             let is_above = direction.dot(point.geometric_normal) >= 0.0;
-            point.leave(if is_above { direction } else { -direction })
+            point.spawn_ray(if is_above { direction } else { -direction })
         };
         let rays: Vec<Ray> = (0..self.density.probes).map(ray).collect();
         let mut hits = vec![None; rays.len()];
         let traversal = &mut Traversal::default();
-        scene.closest_of_wave(&rays, &mut hits, traversal);
+        scene.closest_incoherent(&rays, &mut hits, traversal);
         let seen = rays.iter().zip(&hits);
         let seen: Vec<_> = seen
             .filter_map(|(ray, hit)| Some((ray, hit.as_ref()?)))
@@ -182,7 +182,7 @@ impl Placement {
             let point = scene.surface::<Only<0>>(ray, hit).point;
             (point, hit.t as f32)
         });
-        let mut hits: Vec<(Point, f32)> = hits.collect();
+        let mut hits: Vec<(SurfacePoint, f32)> = hits.collect();
         hits.sort_by(|a, b| a.1.total_cmp(&b.1));
         Probe {
             harmonic_mean: (harmonic_mean as f32).min(size),
@@ -201,7 +201,7 @@ impl Probe {
     }
 
     /// What a place of this radius at a point does not reach behind.
-    fn walls(&self, place: &Point, radius: f32) -> OccluderPlanes {
+    fn walls(&self, place: &SurfacePoint, radius: f32) -> OccluderPlanes {
         /// What rays have hit of a wall is mostly nearer elsewhere.
         const REACH: f32 = 3.0;
         /// The cosine between normals of walls that rather go on from the surface than stand on it.

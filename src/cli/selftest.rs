@@ -1,6 +1,6 @@
 use super::{Failure, Status};
-use crate::accel::Kernel;
 use crate::selftest::CASES;
+use crate::simd::Kernel;
 use rayon::prelude::*;
 use std::io::Write;
 use std::sync::mpsc;

@@ -12,7 +12,7 @@ mod triangle;
 
 pub use cuboid::cuboid;
 pub use hit::Hit;
-pub use mesh::{Corners, Mesh};
+pub use mesh::{Mesh, VertexIndices};
 pub use polygon::{fan, triangulate};
 pub use sphere::Sphere;
 pub use transform::Transform;

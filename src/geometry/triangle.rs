@@ -1,7 +1,7 @@
 use glam::{DVec3, Vec3};
 
 /// Where lines meet a triangle that they are known to pass through, in double precision, where the
-/// rounding of a few operations on single-precision corners does not show.
+/// rounding of a few operations on single-precision vertices does not show.
 #[derive(Clone, Copy, Debug)]
 pub struct TrianglePlane {
     point: DVec3,
@@ -12,7 +12,7 @@ pub struct TrianglePlane {
 }
 
 impl TrianglePlane {
-    /// The plane through three corners.
+    /// The plane through three vertices.
     #[inline(always)]
     pub fn through([a, b, c]: [Vec3; 3]) -> TrianglePlane {
         TrianglePlane {
@@ -70,11 +70,11 @@ impl TrianglePlane {
     }
 }
 
-/// The weights of the second and the third corner at a point of the triangle's plane, clamped to
+/// The weights of the second and the third vertex at a point of the triangle's plane, clamped to
 /// the triangle.
-pub(super) fn barycentric(point: DVec3, corners: [Vec3; 3]) -> (f64, f64) {
-    let [a, b, c] = corners.map(|p| p.as_dvec3());
-    let normal = normal(corners);
+pub(super) fn barycentric(point: DVec3, vertices: [Vec3; 3]) -> (f64, f64) {
+    let [a, b, c] = vertices.map(|p| p.as_dvec3());
+    let normal = normal(vertices);
     let scale = 1.0 / normal.length_squared();
     let u = ((c - a).cross(a - point).dot(normal) * scale).clamp(0.0, 1.0);
     let v = ((a - point).cross(b - a).dot(normal) * scale).clamp(0.0, 1.0 - u);
@@ -84,9 +84,9 @@ pub(super) fn barycentric(point: DVec3, corners: [Vec3; 3]) -> (f64, f64) {
 /// The distance from a point to the nearest point of a triangle, which may be without area: to its plane in
 /// front of it and behind it, elsewhere to the nearest of its edges (the regions of Ericson 2005, "Real-Time
 /// Collision Detection", 5.1.5). In double precision.
-pub fn distance_to_triangle(point: DVec3, corners: [Vec3; 3]) -> f64 {
-    let normal = normal(corners);
-    let [a, b, c] = corners.map(|p| p.as_dvec3());
+pub fn distance_to_triangle(point: DVec3, vertices: [Vec3; 3]) -> f64 {
+    let normal = normal(vertices);
+    let [a, b, c] = vertices.map(|p| p.as_dvec3());
     let edges = [(a, b), (b, c), (c, a)];
     let is_inside = |(from, to): (DVec3, DVec3)| (to - from).cross(point - from).dot(normal) > 0.0;
     if edges.into_iter().all(is_inside) {
@@ -103,8 +103,8 @@ pub fn distance_to_triangle(point: DVec3, corners: [Vec3; 3]) -> f64 {
 }
 
 /// The normal of the winding, twice the area long.
-pub(super) fn normal(corners: [Vec3; 3]) -> DVec3 {
-    let [a, b, c] = corners.map(|p| p.as_dvec3());
+pub(super) fn normal(vertices: [Vec3; 3]) -> DVec3 {
+    let [a, b, c] = vertices.map(|p| p.as_dvec3());
     (b - a).cross(c - a)
 }
 
@@ -112,7 +112,7 @@ pub(super) fn normal(corners: [Vec3; 3]) -> DVec3 {
 mod tests {
     use super::*;
 
-    const CORNERS: [Vec3; 3] = [
+    const VERTICES: [Vec3; 3] = [
         Vec3::new(1.0, 0.0, 0.0),
         Vec3::new(5.0, 0.0, 0.0),
         Vec3::new(1.0, 2.0, 0.0),
@@ -122,10 +122,10 @@ mod tests {
     fn barycentric_weights_of_known_points() {
         for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.25, 0.5)] {
             let point = DVec3::new(1.0 + 4.0 * u, 2.0 * v, 0.0);
-            assert_eq!(barycentric(point, CORNERS), (u, v));
+            assert_eq!(barycentric(point, VERTICES), (u, v));
         }
         assert_eq!(
-            barycentric(DVec3::new(0.999, -0.001, 0.0), CORNERS),
+            barycentric(DVec3::new(0.999, -0.001, 0.0), VERTICES),
             (0.0, 0.0)
         );
     }
@@ -143,14 +143,14 @@ mod tests {
             (1.0, 6.0, 3.0, 5.0),
             (0.0, -1.0, 0.0, 2.0_f64.sqrt()),
         ] {
-            let found = distance_to_triangle(DVec3::new(x, y, z), CORNERS);
+            let found = distance_to_triangle(DVec3::new(x, y, z), VERTICES);
             assert!((found - distance).abs() < 1e-15, "{found} at {x} {y} {z}");
         }
     }
 
     #[test]
     fn triangles_without_area_have_a_distance() {
-        let [a, b, _] = CORNERS;
+        let [a, b, _] = VERTICES;
         let point = DVec3::new(1.0, 3.0, 4.0);
         assert_eq!(distance_to_triangle(point, [a; 3]), 5.0);
         assert_eq!(distance_to_triangle(point, [a, b, a]), 5.0);
@@ -162,10 +162,10 @@ mod tests {
     fn distances_are_those_of_the_nearest_point() {
         let mut random = crate::sampling::Random::new(5);
         for _ in 0..50 {
-            let corners = random.triangle(1.0, 1.0);
-            let [a, b, c] = corners.map(|p| p.as_dvec3());
+            let vertices = random.triangle(1.0, 1.0);
+            let [a, b, c] = vertices.map(|p| p.as_dvec3());
             let point = 2.0 * random.point();
-            let found = distance_to_triangle(point, corners);
+            let found = distance_to_triangle(point, vertices);
             let mut least = f64::INFINITY;
             for i in 0..=100 {
                 for j in 0..=100 - i {
@@ -182,7 +182,7 @@ mod tests {
 
     fn distance(origin: Vec3, direction: Vec3) -> f64 {
         let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
-        let plane = TrianglePlane::through(CORNERS);
+        let plane = TrianglePlane::through(VERTICES);
         let t = plane.distance(origin, direction);
         if plane.outside(origin + t * direction) <= 1e-6 {
             t
@@ -206,7 +206,7 @@ mod tests {
         assert!(distance(Vec3::new(2.0, 2.1, 3.0), down).is_nan());
         // On the side of the box.
         assert_eq!(distance(Vec3::new(1.0, 0.5, 3.0), down), 6.0);
-        // Past the corner at (5, 0, 0), in the box all the same; and so steep that the plane is met
+        // Past the vertex at (5, 0, 0), in the box all the same; and so steep that the plane is met
         // only far behind it: there it leaves the grown box.
         assert_eq!(distance(Vec3::new(5.0, 2.0, 3.0), down), 6.0);
         let steep = distance(Vec3::new(0.0, 0.5, 5e-7), Vec3::new(1.0, 0.0, -1e-9));

@@ -40,7 +40,10 @@ impl Cached<'_> {
         let known = &self.illumination.visible[step.bounces_left as usize - 1];
         let mut lights = vec![Vec3::ZERO; count];
         let mut unknown = Vec::new();
-        for (number, light) in numbers.into_iter().zip(known.lights(&points)) {
+        for (number, light) in numbers
+            .into_iter()
+            .zip(known.lights(&points, self.scene.kernel()))
+        {
             match light {
                 Some(light) => lights[number] = light,
                 None => unknown.push(number),

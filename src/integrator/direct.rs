@@ -1,7 +1,8 @@
-use crate::accel::{PACKET, Points, Sight, Traversal};
+use crate::accel::Traversal;
 use crate::material::Features;
 use crate::math::Ray;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Scene, ShadowPacket, Surface, SurfacePointPacket};
+use crate::simd::PACKET_WIDTH;
 use glam::Vec3;
 
 /// A light that reaches a surface.
@@ -23,9 +24,9 @@ pub(super) fn direct_of_neighbours<F: Features>(
     rays: &[Ray],
     traversal: &mut Traversal,
 ) -> Vec<Vec3> {
-    let occluded = |sights: &[Sight]| {
-        let of_sight = |sight| scene.occluded_of_sight(sight, traversal);
-        sights.iter().map(of_sight).collect()
+    let occluded = |shadow_packets: &[ShadowPacket]| {
+        let of_packet = |shadow_packet| scene.occluded_coherent(shadow_packet, traversal);
+        shadow_packets.iter().map(of_packet).collect()
     };
     direct_of::<F>(scene, seen, rays, occluded, |_| {})
 }
@@ -38,7 +39,8 @@ pub(super) fn direct_of_wave<F: Features>(
     traversal: &mut Traversal,
     reached: impl FnMut(&Lit),
 ) -> Vec<Vec3> {
-    let occluded = |sights: &[Sight]| scene.occluded_of_sights(sights, traversal);
+    let occluded =
+        |shadow_packets: &[ShadowPacket]| scene.occluded_incoherent(shadow_packets, traversal);
     direct_of::<F>(scene, seen, rays, occluded, reached)
 }
 
@@ -51,7 +53,7 @@ fn direct_of<F: Features>(
     scene: &Scene,
     seen: &[Option<Surface>],
     rays: &[Ray],
-    mut occluded: impl FnMut(&[Sight]) -> Vec<u32>,
+    mut occluded: impl FnMut(&[ShadowPacket]) -> Vec<u32>,
     mut reached: impl FnMut(&Lit),
 ) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; seen.len()];
@@ -60,27 +62,34 @@ fn direct_of<F: Features>(
         .filter_map(|(number, surface)| Some((number, surface.as_ref()?)))
         .filter(|(_, surface)| surface.reflectance.reflects_light::<F>())
         .collect();
-    let packets = surfaces.chunks(PACKET).map(|surfaces| {
-        let mut points = Points::default();
+    let packets = surfaces.chunks(PACKET_WIDTH).map(|surfaces| {
+        let mut points = SurfacePointPacket::default();
         for (_, surface) in surfaces {
             points.push(&surface.point);
         }
         points
     });
-    let packets: Vec<Points> = packets.collect();
-    let mut sights = Vec::with_capacity(packets.len());
+    let packets: Vec<SurfacePointPacket> = packets.collect();
+    let mut shadow_packets = Vec::with_capacity(packets.len());
     for (light_number, light) in scene.lights.iter().enumerate() {
-        sights.clear();
-        sights.extend(packets.iter().map(|p| scene.look(p, light.position)));
-        let is_occluded = occluded(&sights);
-        for ((surfaces, sight), occluded) in surfaces.chunks(PACKET).zip(&sights).zip(&is_occluded)
+        shadow_packets.clear();
+        shadow_packets.extend(
+            packets
+                .iter()
+                .map(|p| scene.shadow_rays_to(p, light.position)),
+        );
+        let is_occluded = occluded(&shadow_packets);
+        for ((surfaces, shadow_packet), occluded) in surfaces
+            .chunks(PACKET_WIDTH)
+            .zip(&shadow_packets)
+            .zip(&is_occluded)
         {
-            for lane in sight.clear(*occluded) {
+            for lane in shadow_packet.unoccluded(*occluded) {
                 let (number, surface) = surfaces[lane];
-                let distance = sight.distance(lane);
+                let distance = shadow_packet.distance(lane);
                 let reflected = surface.reflectance.reflect_light::<F>(
                     surface.point.shading_normal,
-                    sight.direction(lane),
+                    shadow_packet.direction(lane),
                     -rays[number].direction,
                 );
                 sums[number] += reflected * light.color_at(distance * distance);
@@ -88,7 +97,7 @@ fn direct_of<F: Features>(
                     number,
                     light: light_number,
                     distance,
-                    cosine: sight.cosine(lane),
+                    cosine: shadow_packet.cosine(lane),
                 });
             }
         }

@@ -1,12 +1,12 @@
 use super::for_each_feature_set;
 use super::monte_carlo::Estimator;
 use super::path::{Choice, Path};
-use crate::accel::{Point, Traversal};
+use crate::accel::Traversal;
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::{FeatureSet, Features, Reflectance};
 use crate::math::Ray;
 use crate::sampling::Sequence;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Scene, Surface, SurfacePoint};
 use glam::Vec3;
 use std::marker::PhantomData;
 
@@ -14,7 +14,7 @@ use std::marker::PhantomData;
 #[derive(Clone, Copy, Debug)]
 pub struct GatherPoint {
     /// The point.
-    pub point: Point,
+    pub point: SurfacePoint,
     /// The numbers.
     pub sequence: Sequence,
     /// Which of them: points with the same sequence have indices of their own.

@@ -149,7 +149,7 @@ fn surfaces_of_neighbours<F: Features>(
     traversal: &mut Traversal,
 ) -> Vec<Option<Surface>> {
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_packet(rays, &mut hits, traversal);
+    scene.closest_coherent(rays, &mut hits, traversal);
     surfaces::<F>(scene, rays, &hits)
 }
 
@@ -185,5 +185,5 @@ fn reflect(surface: &Surface, ray: &Ray) -> Ray {
     } else {
         mirror(viewer, surface.point.geometric_normal)
     };
-    surface.point.leave(reflected)
+    surface.point.spawn_ray(reflected)
 }

@@ -77,7 +77,8 @@ impl<F: Features> Estimator<'_, F> {
     fn radiance(&mut self, paths: &[Path], radiance: &mut [Vec3]) {
         let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
         let mut hits = vec![None; rays.len()];
-        self.scene.closest_of_wave(&rays, &mut hits, self.traversal);
+        self.scene
+            .closest_incoherent(&rays, &mut hits, self.traversal);
         let mut surfaces = surfaces::<F>(self.scene, &rays, &hits);
         let spots = self.scene.spots();
         if spots.is_empty() {
@@ -198,7 +199,8 @@ impl<F: Features> Estimator<'_, F> {
             .collect();
         let rays: Vec<Ray> = from_lights.iter().map(|&i| branches[i].path.ray).collect();
         let mut hits = vec![None; rays.len()];
-        self.scene.closest_of_wave(&rays, &mut hits, self.traversal);
+        self.scene
+            .closest_incoherent(&rays, &mut hits, self.traversal);
         for (&i, hit) in from_lights.iter().zip(&hits) {
             let branch = &mut branches[i];
             let surface = surfaces[branch.parent].as_ref();
@@ -276,7 +278,7 @@ impl<F: Features> Estimator<'_, F> {
         let direction = to_world(surface.point.shading_normal, local);
         // Below the shape's own horizon an interpolated normal gathers nothing.
         (direction.dot(surface.point.geometric_normal) > 0.0).then(|| Path {
-            ray: surface.point.leave(direction),
+            ray: surface.point.spawn_ray(direction),
             choice: if spots.is_empty() {
                 Choice::Only
             } else {

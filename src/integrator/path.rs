@@ -69,7 +69,7 @@ impl Path {
         let cosine = direction.dot(surface.point.shading_normal);
         let is_above = cosine > 0.0 && direction.dot(surface.point.geometric_normal) > 0.0;
         is_above.then(|| Path {
-            ray: surface.point.leave(direction),
+            ray: surface.point.spawn_ray(direction),
             choice: Choice::Spot {
                 cosine_density: cosine / PI,
                 primitive: hit.primitive,

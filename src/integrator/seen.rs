@@ -1,15 +1,15 @@
 use super::{for_each_feature_set, reflect, surfaces_of_neighbours};
-use crate::accel::{Point, Traversal};
+use crate::accel::Traversal;
 use crate::material::{FeatureSet, Features};
 use crate::math::Ray;
-use crate::scene::Scene;
+use crate::scene::{Scene, SurfacePoint};
 use glam::Vec3;
 
 /// A surface that gathers light and that the camera sees, itself or in mirrors.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
     /// Where.
-    pub point: Point,
+    pub point: SurfacePoint,
     /// How far light goes from there to the camera.
     pub distance: f32,
     /// How many bounces are left there, at least one.

@@ -1,60 +1,28 @@
-//! Look-ups, compiled for each set of instructions. The lanes are the same to the last bit: nothing in them is
+//! Lookups, compiled for each instruction set. The lanes are the same to the last bit: nothing in them is
 //! fused or reordered.
-#![expect(
-    unsafe_code,
-    reason = "calls into code compiled for a detected processor"
-)]
 
 use super::IrradianceRecords;
 use super::lookup::{self, LANES};
 use super::primary::LinearIrradiance;
+use crate::simd::{Simd, WithSimd};
 use glam::Vec3;
 
-type Points = [(Vec3, Vec3); LANES];
-type Lights = [Option<Vec3>; LANES];
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f")]
-fn lights_avx512(
-    points: &Points,
-    numbers: &[u32],
-    places: &IrradianceRecords,
-    light: &[LinearIrradiance],
-) -> Lights {
-    lookup::lights(points, numbers, places, light)
+/// [`lookup::lights`] for every instruction set.
+pub(super) struct Lookup<'a> {
+    pub(super) points: &'a [(Vec3, Vec3); LANES],
+    pub(super) numbers: &'a [u32],
+    pub(super) places: &'a IrradianceRecords,
+    pub(super) light: &'a [LinearIrradiance],
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn lights_avx2(
-    points: &Points,
-    numbers: &[u32],
-    places: &IrradianceRecords,
-    light: &[LinearIrradiance],
-) -> Lights {
-    lookup::lights(points, numbers, places, light)
-}
+impl WithSimd for Lookup<'_> {
+    type Output = [Option<Vec3>; LANES];
 
-/// [`lookup::lights`] with the best instructions that this processor has.
-#[inline]
-pub(super) fn lights(
-    points: &Points,
-    numbers: &[u32],
-    places: &IrradianceRecords,
-    light: &[LinearIrradiance],
-) -> Lights {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if is_x86_feature_detected!("avx512f") {
-            // SAFETY: the instructions were detected.
-            return unsafe { lights_avx512(points, numbers, places, light) };
-        }
-        if is_x86_feature_detected!("avx2") {
-            // SAFETY: the instructions were detected.
-            return unsafe { lights_avx2(points, numbers, places, light) };
-        }
+    #[inline(always)]
+    fn with_simd<S: Simd>(self) -> [Option<Vec3>; LANES] {
+        // Plain loops over lanes, which are vectorised.
+        lookup::lights(self.points, self.numbers, self.places, self.light)
     }
-    lookup::lights(points, numbers, places, light)
 }
 
 #[cfg(test)]
@@ -63,8 +31,8 @@ mod tests {
     use super::*;
     use crate::math::Aabb;
     use crate::sampling::Random;
+    use crate::simd::Kernel;
 
-    /// Whatever the processor has, and plain code.
     #[test]
     fn all_instructions_agree_to_the_bit() {
         let mut random = Random::new(11);
@@ -97,20 +65,21 @@ mod tests {
                 let near = 0.2 * random.vector(1.0);
                 (near, random.vector(1.0).normalize())
             });
-            let plain = lookup::lights(&points, &numbers, &places, &light);
-            let best = lights(&points, &numbers, &places, &light);
+            let of_kernel = |kernel: Kernel| {
+                kernel.run(Lookup {
+                    points: &points,
+                    numbers: &numbers,
+                    places: &places,
+                    light: &light,
+                })
+            };
+            let plain = of_kernel(Kernel::PORTABLE);
             let bits = |light: Option<Vec3>| light.map(|light| light.to_array().map(f32::to_bits));
-            assert_eq!(plain.map(bits), best.map(bits));
+            for kernel in Kernel::available() {
+                assert_eq!(plain.map(bits), of_kernel(kernel).map(bits));
+            }
             known += plain.iter().flatten().count();
         }
         assert!(known > 50 * LANES / 2, "{known}");
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            let points = [(Vec3::ZERO, Vec3::Y); LANES];
-            let plain = lookup::lights(&points, &numbers, &places, &light);
-            // SAFETY: the instructions were detected.
-            let vector = unsafe { lights_avx2(&points, &numbers, &places, &light) };
-            assert_eq!(plain, vector);
-        }
     }
 }

@@ -2,10 +2,11 @@ use super::IrradianceRecords;
 use super::primary::LinearIrradiance;
 use super::record::{HEIGHT, IrradianceRecord};
 use crate::math::Aabb;
+use crate::simd::PACKET_WIDTH;
 use glam::Vec3;
 
 /// So many points are looked up together.
-pub(super) const LANES: usize = 16;
+pub(super) const LANES: usize = PACKET_WIDTH;
 
 type Lanes = [f32; LANES];
 

@@ -1,5 +1,7 @@
+use super::kernel::Lookup;
 use super::lookup::LANES;
-use super::{IrradianceRecords, Leaf, Octree, kernel};
+use super::{IrradianceRecords, Leaf, Octree};
+use crate::simd::Kernel;
 use glam::Vec3;
 
 /// The light at a place, and how it changes along the surface.
@@ -34,13 +36,18 @@ impl PrimaryIrradiance {
     ///
     /// The mean of what the places say that a point lies in (Shepard 1968; of linear functions as in Renka
     /// 1988, "Multivariate Interpolation of Large Sets of Scattered Data").
-    pub fn lights(&self, points: &[(Vec3, Vec3)]) -> Vec<Option<Vec3>> {
+    pub fn lights(&self, points: &[(Vec3, Vec3)], kernel: Kernel) -> Vec<Option<Vec3>> {
         let mut lights = vec![None; points.len()];
         let tree = self.places.tree();
         for group in groups(tree, points) {
             let of_group = group.numbers.map(|number| points[number as usize]);
             let around = tree.boxes(group.leaf.node);
-            let known = kernel::lights(&of_group, around, &self.places, &self.light);
+            let known = kernel.run(Lookup {
+                points: &of_group,
+                numbers: around,
+                places: &self.places,
+                light: &self.light,
+            });
             for (&number, light) in group.numbers[..group.count].iter().zip(known) {
                 lights[number as usize] = light;
             }

@@ -10,7 +10,7 @@ pub trait Features {
     const HIGHLIGHTS: bool;
     /// Some material is a mirror.
     const MIRRORS: bool;
-    /// Some triangle mixes the materials of its corners.
+    /// Some triangle mixes the materials of its vertices.
     const MIXTURES: bool;
 }
 

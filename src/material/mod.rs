@@ -106,11 +106,11 @@ impl Reflectance {
     }
 
     /// The mean of three, weighted by barycentric coordinates that sum to 1.
-    pub fn barycentric(corners: [Reflectance; 3], weights: [f32; 3]) -> Reflectance {
+    pub fn barycentric(vertices: [Reflectance; 3], weights: [f32; 3]) -> Reflectance {
         let mix = |of: fn(&Reflectance) -> Vec3| {
-            of(&corners[0]) * weights[0]
-                + of(&corners[1]) * weights[1]
-                + of(&corners[2]) * weights[2]
+            of(&vertices[0]) * weights[0]
+                + of(&vertices[1]) * weights[1]
+                + of(&vertices[2]) * weights[2]
         };
         Reflectance {
             diffuse: mix(|r| r.diffuse),
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_mix_in_every_part() {
+    fn vertices_mix_in_every_part() {
         let other = Reflectance {
             diffuse: Vec3::ONE,
             specular: Vec3::ZERO,

@@ -18,7 +18,8 @@ pub(super) fn find(scene: &Scene, flight: &Flight, near: f64) -> Vec<Finding> {
     let through: Vec<usize> = (0..passages.len())
         .filter(|&frame| passages[frame].is_some())
         .collect();
-    let distance = |frame: usize, within| scene.distance(flight.cameras[frame].position, within);
+    let distance =
+        |frame: usize, within| scene.closest_point_distance(flight.cameras[frame].position, within);
     let depths: Vec<Measured> = frames_inside(flight, &sights, &passages)
         .into_iter()
         .filter_map(|frame| Some((frame, distance(frame, f64::INFINITY)?)))
@@ -50,7 +51,7 @@ fn passage(scene: &Scene, from: &Camera, to: &Camera) -> Option<i32> {
     }
     let rays = [Ray::new(from, to - from), Ray::new(to, from - to)];
     let mut hits = [None; 2];
-    scene.closest_of_wave(&rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(&rays, &mut hits, &mut Traversal::default());
     // Whether the camera is in front of the surface that is nearest to it on the way.
     let in_front = |i: usize| {
         let hit = hits[i].filter(|hit| hit.t <= 1.0)?;

@@ -73,7 +73,7 @@ fn meet(scene: &Scene, rays: &[Ray]) -> Vec<Met> {
     // Of the distance: more than it is rounded by.
     const BEHIND: f64 = 1.0 + 1e-4;
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_wave(rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(rays, &mut hits, &mut Traversal::default());
     let met = |(ray, hit): (&Ray, Option<Hit>)| {
         let hit = hit?;
         Some(Met {

@@ -48,7 +48,7 @@ pub(super) fn flight(cameras: Vec<Camera>) -> Flight {
     }
 }
 
-/// A closed box, seen from outside, with corners of its own.
+/// A closed box, seen from outside, with vertices of its own.
 pub(super) fn cuboid(min: DVec3, max: DVec3) -> SourceMesh {
     let (positions, triangles) = geometry::cuboid(min, max);
     SourceMesh {
@@ -62,8 +62,8 @@ pub(super) fn cuboid(min: DVec3, max: DVec3) -> SourceMesh {
 
 /// The same with all faces seen from behind.
 pub(super) fn inverted(mut mesh: SourceMesh) -> SourceMesh {
-    for corners in &mut mesh.triangles {
-        corners.swap(1, 2);
+    for vertices in &mut mesh.triangles {
+        vertices.swap(1, 2);
     }
     mesh
 }

@@ -290,6 +290,6 @@ impl Candidate {
 /// What rays that run side by side meet.
 fn hits(scene: &Scene, rays: &[Ray]) -> Vec<Option<Hit>> {
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_packet(rays, &mut hits, &mut Traversal::default());
+    scene.closest_coherent(rays, &mut hits, &mut Traversal::default());
     hits
 }

@@ -1,8 +1,9 @@
 use super::{Scene, Triangle};
-use crate::accel::{Bvh, Kernel};
+use crate::accel::Bvh;
 use crate::geometry::{Mesh, Sphere};
 use crate::light::PointLight;
 use crate::material::{FeatureSet, Material};
+use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::OnceLock;
@@ -12,20 +13,20 @@ use std::sync::OnceLock;
 pub enum MeshMaterial {
     /// One for the whole mesh.
     Uniform(usize),
-    /// One for each corner of the mesh's only triangle, mixed barycentrically.
+    /// One for each vertex of the mesh's only triangle, mixed barycentrically.
     PerVertex([usize; 3]),
 }
 
 /// A mesh in world coordinates, in double precision, before the scene's origin is known.
 #[derive(Clone, Debug)]
 pub struct SourceMesh {
-    /// Corner positions.
+    /// Vertex positions.
     pub positions: Vec<DVec3>,
-    /// Unit normals for each corner, or none; a zero vector asks for the triangle's own.
+    /// Unit normals for each vertex, or none; a zero vector asks for the triangle's own.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates for each corner, or none.
+    /// Texture coordinates for each vertex, or none.
     pub uvs: Vec<Vec2>,
-    /// Corner indices.
+    /// Vertex indices.
     pub triangles: Vec<[u32; 3]>,
     /// What it is made of.
     pub material: MeshMaterial,
@@ -58,7 +59,7 @@ impl SceneBuilder {
         let origin = self.origin();
         let relative = |p: DVec3| (p - origin).as_vec3();
         let mut dropped = 0;
-        let mut corner_positions = Vec::new();
+        let mut triangle_vertices = Vec::new();
         let mut triangles = Vec::new();
         let mut meshes = Vec::new();
         let mut mesh_materials = Vec::new();
@@ -68,14 +69,14 @@ impl SceneBuilder {
                 normals: source.normals,
                 uvs: source.uvs,
             };
-            for corners in source.triangles {
-                let Some(normal) = mesh.geometric_normal(corners) else {
+            for vertices in source.triangles {
+                let Some(normal) = mesh.geometric_normal(vertices) else {
                     dropped += 1;
                     continue;
                 };
-                corner_positions.push(mesh.triangle(corners));
+                triangle_vertices.push(mesh.triangle(vertices));
                 triangles.push(Triangle {
-                    corners,
+                    vertices,
                     mesh: meshes.len() as u32,
                     normal,
                 });
@@ -109,7 +110,7 @@ impl SceneBuilder {
         }
         let used = used.into_iter().map(|id| &self.materials[id]);
         let features = FeatureSet::of(used, mixes);
-        let bvh = Bvh::new(&corner_positions, spheres.clone(), self.kernel);
+        let bvh = Bvh::new(&triangle_vertices, spheres.clone(), self.kernel);
         let bounds = bvh.bounds();
         let scene = Scene {
             origin,
@@ -131,13 +132,13 @@ impl SceneBuilder {
         (scene, dropped)
     }
 
-    /// Where most of the scene is: the median of all corners and of the ends of spheres, axis by axis.
-    /// Neither a sun nor a far corner nor a globe for a ground takes precision from the rest.
+    /// Where most of the scene is: the median of all vertices and of the ends of spheres, axis by axis.
+    /// Neither a sun nor a far vertex nor a globe for a ground takes precision from the rest.
     fn origin(&self) -> DVec3 {
-        let corners = self.meshes.iter().flat_map(|m| m.positions.iter().copied());
+        let vertices = self.meshes.iter().flat_map(|m| m.positions.iter().copied());
         let spheres = self.spheres.iter().map(|(sphere, _)| sphere);
         let ends = spheres.flat_map(|s| [s.center - s.radius, s.center + s.radius]);
-        let points: Vec<DVec3> = corners.chain(ends).collect();
+        let points: Vec<DVec3> = vertices.chain(ends).collect();
         DVec3::from_array([0, 1, 2].map(|axis| median(points.iter().map(|p| p[axis]))))
     }
 }

@@ -1,5 +1,4 @@
-use super::{MeshMaterial, Scene, Triangle};
-use crate::accel::Point;
+use super::{MeshMaterial, Scene, SurfacePoint, Triangle};
 use crate::geometry::Hit;
 use crate::material::{Features, Reflectance};
 use crate::math::{NO_PRIMITIVE, Ray};
@@ -9,7 +8,7 @@ use glam::{DVec3, Vec2, Vec3};
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
     /// Where it is, relative to the scene's origin, and how rays leave it on the viewer's side.
-    pub point: Point,
+    pub point: SurfacePoint,
     /// How it returns light.
     pub reflectance: Reflectance,
 }
@@ -50,7 +49,7 @@ impl Scene {
         let magnitude = ray.origin.abs().max_element().max(self.magnitude);
         let is_convex = point.convex[usize::from(!outside)];
         Surface {
-            point: Point {
+            point: SurfacePoint {
                 position,
                 geometric_normal,
                 shading_normal,
@@ -71,7 +70,7 @@ impl Scene {
     }
 
     /// The unit normal of what `ray` hits, whichever side it sees: out of a sphere, and of a triangle on the side
-    /// that sees its corners counter-clockwise.
+    /// that sees its vertices counter-clockwise.
     pub fn normal(&self, ray: &Ray, hit: &Hit) -> Vec3 {
         let number = hit.primitive as usize;
         match self.triangles.get(number) {
@@ -85,7 +84,7 @@ impl Scene {
 
     #[inline]
     fn triangle_point<F: Features>(&self, position: DVec3, triangle: &Triangle) -> ShapePoint {
-        let corners = triangle.corners;
+        let vertices = triangle.vertices;
         let mesh = &self.meshes[triangle.mesh as usize];
         let material = &self.mesh_materials[triangle.mesh as usize];
         let is_textured = |id: usize| F::TEXTURES && self.materials[id].texture.is_some();
@@ -97,10 +96,10 @@ impl Scene {
         let weights = if is_of_one_color && mesh.normals.is_empty() {
             [1.0, 0.0, 0.0]
         } else {
-            mesh.weights(corners, position)
+            mesh.weights(vertices, position)
         };
         let uv = if F::TEXTURES {
-            mesh.uv(corners, weights)
+            mesh.uv(vertices, weights)
         } else {
             Vec2::ZERO
         };
@@ -108,7 +107,7 @@ impl Scene {
         ShapePoint {
             position,
             geometric_normal: triangle.normal,
-            shading_normal: mesh.shading_normal(corners, weights, triangle.normal),
+            shading_normal: mesh.shading_normal(vertices, weights, triangle.normal),
             reflectance: match material {
                 MeshMaterial::Uniform(id) => at(*id),
                 MeshMaterial::PerVertex(ids) => Reflectance::barycentric(ids.map(at), weights),

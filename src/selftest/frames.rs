@@ -2,13 +2,13 @@ use super::room::room;
 use super::shapes::Polyhedron;
 use super::stage::{looking, worse};
 use super::textures::Picture;
-use crate::accel::Kernel;
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrator::Integrator;
 use crate::material::Material;
 use crate::render::{PixelSampling, RenderSettings, render_frame};
 use crate::scene::{Scene, SceneBuilder, SourceMesh};
+use crate::simd::Kernel;
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 
 fn settings(integrator: Integrator, sampling: PixelSampling) -> RenderSettings {

@@ -1,5 +1,5 @@
 use super::stage::{lamp, looking, worse};
-use crate::accel::{Bvh, Kernel, Traversal};
+use crate::accel::{Bvh, Traversal};
 use crate::camera::Camera;
 use crate::geometry::Sphere;
 use crate::integrator::Integrator;
@@ -8,6 +8,7 @@ use crate::math::Ray;
 use crate::render::{RenderSettings, render_frame};
 use crate::sampling::Random;
 use crate::scene::SceneBuilder;
+use crate::simd::Kernel;
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
 

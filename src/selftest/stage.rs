@@ -1,5 +1,5 @@
 use super::shapes::Polyhedron;
-use crate::accel::{Kernel, Traversal};
+use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::geometry::Hit;
 use crate::integrator::{CameraSample, Integrator};
@@ -8,6 +8,7 @@ use crate::material::Material;
 use crate::math::Ray;
 use crate::sampling::Sequence;
 use crate::scene::{Scene, SceneBuilder};
+use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 
 /// A camera at `eye` that looks at `target`, its vertical field of view in degrees.
@@ -53,7 +54,7 @@ pub(super) fn ray_in(scene: &Scene, eye: DVec3, direction: DVec3) -> Ray {
 /// What each of some rays that have nothing in common meets first.
 pub(super) fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Option<Hit>> {
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_wave(rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(rays, &mut hits, &mut Traversal::default());
     hits
 }
 

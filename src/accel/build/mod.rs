@@ -6,9 +6,10 @@ mod split;
 
 use super::node::{Child, Node};
 use super::triangle_block::TriangleBlock;
-use super::{Bvh, Kernel, MAX_DEPTH, WIDTH};
+use super::{Bvh, MAX_DEPTH, WIDTH};
 use crate::geometry::Sphere;
 use crate::math::Aabb;
+use crate::simd::Kernel;
 use glam::Vec3;
 use rayon::prelude::*;
 use reference::{Extent, Reference};
@@ -30,7 +31,7 @@ pub(in super::super) fn build(
     kernel: Kernel,
 ) -> Bvh {
     let first_sphere = triangles.len() as u32;
-    let boxes = triangles.par_iter().map(|corners| Aabb::of(*corners));
+    let boxes = triangles.par_iter().map(|vertices| Aabb::of(*vertices));
     let mut references: Vec<Reference> = boxes
         .chain(spheres.par_iter().map(Sphere::bounds))
         .zip(0..first_sphere + spheres.len() as u32)
@@ -58,7 +59,7 @@ pub(in super::super) fn build(
         false => Child::Triangles(0),
     };
     for node in &mut tree.nodes {
-        node.fill(leaf);
+        node.fill_empty(leaf);
     }
     Bvh {
         nodes: tree.nodes,
@@ -100,7 +101,7 @@ impl Tree {
         let (nodes, blocks) = (self.nodes.len() as u32, self.blocks.len() as u32);
         self.blocks.extend(other.blocks);
         self.nodes.extend(other.nodes.into_iter().map(|mut node| {
-            node.shift(nodes, blocks);
+            node.offset_children(nodes, blocks);
             node
         }));
     }
@@ -140,7 +141,7 @@ impl Source<'_> {
                 .collect();
             for (mut child, apart) in built {
                 let (nodes, blocks) = (tree.nodes.len() as u32, tree.blocks.len() as u32);
-                child.1 = child.1.shifted(nodes, blocks);
+                child.1 = child.1.with_offset(nodes, blocks);
                 children.push(child);
                 tree.append(apart);
             }

@@ -132,7 +132,7 @@ fn looks(scene: &Scene, motion: &Motion) -> Vec<(DVec3, f64)> {
     };
     let rays: Vec<Ray> = motion.timeline.spread(LOOKS).into_iter().map(ray).collect();
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_wave(&rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(&rays, &mut hits, &mut Traversal::default());
     let seen = rays.iter().zip(hits);
     let seen = seen.filter_map(|(ray, hit)| hit.map(|hit| (scene.origin + ray.at(hit.t), hit.t)));
     seen.collect()

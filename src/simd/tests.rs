@@ -58,17 +58,17 @@ fn each_pair<const N: usize>(check: impl Fn(&[f32; N], &[f32; N])) {
 
 #[target_feature(enable = "avx2,fma")]
 fn with_avx2(a: &[f32; 8], b: &[f32; 8]) -> ([[u32; 8]; 9], [u32; 2]) {
-    results::<Avx2, 8>(a, b)
+    results::<Avx2Floats, 8>(a, b)
 }
 
 #[target_feature(enable = "avx2,fma")]
 fn with_pair(a: &[f32; 16], b: &[f32; 16]) -> ([[u32; 16]; 9], [u32; 2]) {
-    results::<Avx2Pair, 16>(a, b)
+    results::<Avx2FloatsPair, 16>(a, b)
 }
 
 #[target_feature(enable = "avx512f")]
 fn with_avx512(a: &[f32; 16], b: &[f32; 16]) -> ([[u32; 16]; 9], [u32; 2]) {
-    results::<Avx512, 16>(a, b)
+    results::<Avx512Floats, 16>(a, b)
 }
 
 #[test]
@@ -79,12 +79,12 @@ fn avx2_equals_portable_bit_for_bit() {
     each_pair(|a, b| {
         // SAFETY: AVX2 and FMA were detected above.
         let vector = unsafe { with_avx2(a, b) };
-        assert_eq!(vector, results::<Portable<8>, 8>(a, b));
+        assert_eq!(vector, results::<PortableFloats<8>, 8>(a, b));
     });
     each_pair(|a, b| {
         // SAFETY: AVX2 and FMA were detected above.
         let vector = unsafe { with_pair(a, b) };
-        assert_eq!(vector, results::<Portable<16>, 16>(a, b));
+        assert_eq!(vector, results::<PortableFloats<16>, 16>(a, b));
     });
 }
 
@@ -96,6 +96,6 @@ fn avx512_equals_portable_bit_for_bit() {
     each_pair(|a, b| {
         // SAFETY: AVX-512 F was detected above.
         let vector = unsafe { with_avx512(a, b) };
-        assert_eq!(vector, results::<Portable<16>, 16>(a, b));
+        assert_eq!(vector, results::<PortableFloats<16>, 16>(a, b));
     });
 }

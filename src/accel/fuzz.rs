@@ -1,4 +1,4 @@
-//! Random hostile scenes: the tree, every kernel and packets find exactly what testing every primitive
+//! Random scenes of hard cases: the tree, every kernel and packets find exactly what testing every primitive
 //! finds.
 #![allow(clippy::print_stdout, reason = "the seed of a failure is shown")]
 
@@ -7,7 +7,7 @@ use crate::sampling::Random;
 use crate::simd::PACKET_WIDTH;
 use glam::Vec3Swizzles;
 
-/// Numbers that a fuzzer chooses, and then those of a generator.
+/// Numbers from a fuzzer's bytes, and random numbers after they are used up.
 struct Numbers<'a> {
     bytes: &'a [u8],
     random: Random,
@@ -65,14 +65,14 @@ fn fuzz() {
 }
 
 #[test]
-fn a_few_hostile_scenes() {
+fn a_few_random_scenes() {
     for seed in 0..300 {
         check_scene_of_seed(seed * 7919);
     }
 }
 
-/// A scene of one kind of hostile shapes, at some scale and place, and rays that are aimed at what is
-/// hardest: vertices, edges, along axes, from on the shapes.
+/// A scene of one kind of difficult shapes, at some scale and place, and rays to vertices and edges, along axes
+/// and from points on the shapes.
 fn check_scene(random: &mut Numbers) {
     let pick = |random: &mut Numbers, count: usize| (random.unit() * count as f32) as usize;
     let scale = 10_f32.powi(pick(random, 13) as i32 - 6);

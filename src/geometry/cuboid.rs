@@ -1,6 +1,8 @@
+//! Boxes as triangle meshes.
+
 use glam::DVec3;
 
-/// The vertices and the triangles of a box from `min` to `max`, seen from outside.
+/// The vertices of a box from `min` to `max`, and its triangles, counter-clockwise seen from outside.
 pub fn cuboid(min: DVec3, max: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     let vertex = |i: usize| {
         let pick = |axis: usize| {

@@ -1,10 +1,12 @@
+//! Indexed triangle meshes with interpolated normals and texture coordinates.
+
 use super::triangle;
 use glam::{DVec3, Vec2, Vec3};
 
-/// VertexIndices in world space that triangles share.
+/// The vertices of a mesh in world space, shared by its triangles.
 ///
-/// `normals` and `uvs` are empty or as long as `positions`. VertexIndices with the same position have
-/// bit-identical coordinates, so that no ray slips between neighbours.
+/// `normals` and `uvs` are empty or as long as `positions`. Vertices with the same position have
+/// bit-identical coordinates, so that no ray passes between neighbours.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// World-space positions of the vertices.
@@ -19,7 +21,7 @@ pub struct Mesh {
 pub type VertexIndices = [u32; 3];
 
 impl Mesh {
-    /// The positions of three vertices.
+    /// The positions of a triangle's vertices.
     pub fn triangle(&self, [a, b, c]: VertexIndices) -> [Vec3; 3] {
         [
             self.positions[a as usize],
@@ -38,13 +40,13 @@ impl Mesh {
         (largest > 0.0).then(|| (normal / largest).normalize().as_vec3())
     }
 
-    /// The weights of a triangle's vertices at `point`, which lies on it; their sum is 1.
+    /// The barycentric weights of a triangle's vertices at `point`, which lies on it; their sum is 1.
     pub fn weights(&self, vertices: VertexIndices, point: DVec3) -> [f32; 3] {
         let (u, v) = triangle::barycentric(point, self.triangle(vertices));
         [(1.0 - u - v) as f32, u as f32, v as f32]
     }
 
-    /// The unit shading normal at vertex weights; `geometric_normal` where the mesh has no other.
+    /// The unit shading normal at barycentric weights; `geometric_normal` where the mesh has no other.
     pub fn shading_normal(
         &self,
         vertices: VertexIndices,
@@ -63,7 +65,7 @@ impl Mesh {
         sum.normalize_or(geometric_normal)
     }
 
-    /// The texture coordinates at vertex weights; zero where the mesh has none.
+    /// The texture coordinates at barycentric weights; zero where the mesh has none.
     pub fn uv(&self, vertices: VertexIndices, weights: [f32; 3]) -> Vec2 {
         if self.uvs.is_empty() {
             return Vec2::ZERO;

@@ -1,4 +1,5 @@
-//! Shapes in world space and what a ray's meeting with one leaves behind.
+//! Shapes in world space: triangles of meshes and spheres, with their intersections, distances, normals and
+//! texture coordinates.
 //!
 //! Knows nothing of materials, files or acceleration structures.
 

@@ -1,25 +1,24 @@
+//! Triangulation of planar polygons.
+
 use glam::{DVec2, DVec3};
 
-/// Cutting takes a time that grows with the square of the vertices, and in the worst case with the
-/// cube.
+/// Ear clipping takes time quadratic in the number of vertices, in the worst case cubic.
 const MAX_VERTICES: usize = 1024;
 
-/// Triangles of less than this share of the polygon may be wound the wrong way: nobody sees it, and
-/// vertices in a line are often so.
+/// Triangles whose area is below this fraction of the polygon's may be wound the wrong way: they are invisible,
+/// and collinear vertices often cause them.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// Cuts a polygon into triangles of its vertices, wound as it is: into a fan around the first vertex
-/// if that covers it, else by cutting off ears (Meisters 1975, "Polygons have ears"). There are three
-/// vertices or more; they need not lie in a plane.
+/// Triangulates a polygon of three vertices or more, keeping its winding: as a fan around the first vertex if that
+/// covers it, else by ear clipping (Meisters 1975, "Polygons have ears"). Vertices need not be coplanar.
 ///
-/// None for those that cannot be cut so, since they cross themselves, and for concave ones of more than
-/// 1024 vertices.
+/// None for polygons that intersect themselves, and for concave ones of more than 1024 vertices.
 pub fn triangulate(vertices: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     let fan = fan(vertices.len());
     if fan.len() == 1 {
         return Some(fan);
     }
-    let flat = flattened(vertices);
+    let flat = projected(vertices);
     let area = |[a, b, c]: [usize; 3]| (flat[b] - flat[a]).perp_dot(flat[c] - flat[a]);
     let whole: f64 = fan.iter().map(|&triangle| area(triangle).abs()).sum();
     let is_wound = |triangle| area(triangle) >= -NEGLIGIBLE * whole;
@@ -49,13 +48,13 @@ pub fn triangulate(vertices: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     is_wound(last).then_some(triangles)
 }
 
-/// The triangles around the first of some vertices.
+/// The triangles of a fan around the first of so many vertices.
 pub fn fan(vertices: usize) -> Vec<[usize; 3]> {
     (2..vertices).map(|i| [0, i - 1, i]).collect()
 }
 
-/// The vertices as they are seen against their mean normal, so that they run counter-clockwise.
-fn flattened(vertices: &[DVec3]) -> Vec<DVec2> {
+/// The vertices projected along their mean normal, so that they run counter-clockwise.
+fn projected(vertices: &[DVec3]) -> Vec<DVec2> {
     let from = |p: DVec3| p - vertices[0];
     let normal: DVec3 = vertices
         .windows(2)

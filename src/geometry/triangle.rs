@@ -1,7 +1,9 @@
+//! Triangles in double precision: plane intersection, barycentric coordinates and closest points.
+
 use glam::{DVec3, Vec3};
 
-/// Where lines meet a triangle that they are known to pass through, in double precision, where the
-/// rounding of a few operations on single-precision vertices does not show.
+/// Intersects lines with a triangle that they are known to pass through: in double precision, where the rounding
+/// of a few operations on single-precision vertices is negligible.
 #[derive(Clone, Copy, Debug)]
 pub struct TrianglePlane {
     point: DVec3,
@@ -45,20 +47,20 @@ impl TrianglePlane {
         self.max.max(-self.min).max_element()
     }
 
-    /// In place of the distance `t` where it gives a point outside the triangle's box, grown by `growth`
-    /// on all sides: the nearest one inside; NaN if the line passes by the box.
+    /// The parameter nearest to `t` at which the line is inside the triangle's box, padded on all sides; NaN if
+    /// the line misses that box.
     ///
-    /// So what is found does not depend on which larger boxes are looked into, in which order, be the
-    /// plane as steep as it may.
+    /// It replaces a `t` whose point is outside, so that hits do not depend on which boxes of a tree are visited
+    /// in which order, however steep the plane.
     #[cold]
     #[inline(never)]
-    pub fn distance_in_box(&self, origin: DVec3, direction: DVec3, growth: f64, t: f64) -> f64 {
+    pub fn distance_in_box(&self, origin: DVec3, direction: DVec3, padding: f64, t: f64) -> f64 {
         let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
             let inverse = 1.0 / direction[axis];
-            let low = (self.min[axis] - growth - origin[axis]) * inverse;
-            let high = (self.max[axis] + growth - origin[axis]) * inverse;
-            // NaN, which a line inside a box's side gives, counts for nothing here.
+            let low = (self.min[axis] - padding - origin[axis]) * inverse;
+            let high = (self.max[axis] + padding - origin[axis]) * inverse;
+            // A line in the plane of a box's side gives NaN, which `min` and `max` ignore.
             near = near.max(low.min(high));
             far = far.min(low.max(high));
         }
@@ -70,8 +72,8 @@ impl TrianglePlane {
     }
 }
 
-/// The weights of the second and the third vertex at a point of the triangle's plane, clamped to
-/// the triangle.
+/// The barycentric coordinates (u, v) of a point of the triangle's plane, the weights of the second and third
+/// vertex, clamped to the triangle.
 pub(super) fn barycentric(point: DVec3, vertices: [Vec3; 3]) -> (f64, f64) {
     let [a, b, c] = vertices.map(|p| p.as_dvec3());
     let normal = normal(vertices);
@@ -81,9 +83,9 @@ pub(super) fn barycentric(point: DVec3, vertices: [Vec3; 3]) -> (f64, f64) {
     (u, v)
 }
 
-/// The distance from a point to the nearest point of a triangle, which may be without area: to its plane in
-/// front of it and behind it, elsewhere to the nearest of its edges (the regions of Ericson 2005, "Real-Time
-/// Collision Detection", 5.1.5). In double precision.
+/// The distance from a point to the closest point of a triangle, which may be degenerate: to its plane where the
+/// point projects inside, elsewhere to the nearest edge (the Voronoi regions of Ericson 2005, "Real-Time Collision
+/// Detection", 5.1.5).
 pub fn distance_to_triangle(point: DVec3, vertices: [Vec3; 3]) -> f64 {
     let normal = normal(vertices);
     let [a, b, c] = vertices.map(|p| p.as_dvec3());
@@ -94,15 +96,15 @@ pub fn distance_to_triangle(point: DVec3, vertices: [Vec3; 3]) -> f64 {
     }
     let to_edge = |(from, to): (DVec3, DVec3)| {
         let (along, point) = (to - from, point - from);
-        // No number where the edge has no length.
-        let share = point.dot(along) / along.length_squared();
-        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
-        point.distance(share * along)
+        // NaN where the edge has no length.
+        let s = point.dot(along) / along.length_squared();
+        let s = if s > 0.0 { s.min(1.0) } else { 0.0 };
+        point.distance(s * along)
     };
     edges.map(to_edge).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// The normal of the winding, twice the area long.
+/// The normal of the winding; its length is twice the area.
 pub(super) fn normal(vertices: [Vec3; 3]) -> DVec3 {
     let [a, b, c] = vertices.map(|p| p.as_dvec3());
     (b - a).cross(c - a)
@@ -131,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn distances_to_face_edges_and_corners() {
+    fn distances_to_face_edges_and_vertices() {
         for (x, y, z, distance) in [
             (2.0, 0.5, 3.0, 3.0),
             (2.0, 0.5, -0.25, 0.25),

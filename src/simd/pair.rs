@@ -1,3 +1,5 @@
+//! Sixteen lanes in two AVX2 registers.
+
 use super::{Avx2Floats, Floats};
 
 /// Two 256-bit registers.

@@ -1,6 +1,8 @@
+//! Lanes in an array, without vector instructions.
+
 use super::Floats;
 
-/// Plain code.
+/// `N` lanes in an array.
 #[derive(Clone, Copy)]
 pub(super) struct PortableFloats<const N: usize>([f32; N]);
 

@@ -1,3 +1,5 @@
+//! Every operation of every register, on special values, beside plain arrays.
+
 #![expect(
     unsafe_code,
     reason = "calls into code compiled for a detected processor"
@@ -5,7 +7,7 @@
 
 use super::*;
 
-const HOSTILE: [f32; 12] = [
+const SPECIAL: [f32; 12] = [
     0.0,
     -0.0,
     1.0,
@@ -20,7 +22,7 @@ const HOSTILE: [f32; 12] = [
     7.0,
 ];
 
-/// Every operation whose bits are promised.
+/// Every operation whose bits are guaranteed.
 #[inline(always)]
 fn results<V: Floats<N>, const N: usize>(a: &[f32; N], b: &[f32; N]) -> ([[u32; N]; 9], [u32; 2]) {
     let (a, b) = (V::load(a), V::load(b));
@@ -45,12 +47,12 @@ fn results<V: Floats<N>, const N: usize>(a: &[f32; N], b: &[f32; N]) -> ([[u32; 
     )
 }
 
-/// Applies `check` to lanes of every pair of hostile values.
+/// Applies `check` to lanes of every pair of special values.
 fn each_pair<const N: usize>(check: impl Fn(&[f32; N], &[f32; N])) {
-    for shift in 0..HOSTILE.len() {
-        for start in 0..HOSTILE.len() {
-            let a = std::array::from_fn(|i| HOSTILE[(i + start) % HOSTILE.len()]);
-            let b = std::array::from_fn(|i| HOSTILE[(i + start + shift) % HOSTILE.len()]);
+    for shift in 0..SPECIAL.len() {
+        for start in 0..SPECIAL.len() {
+            let a = std::array::from_fn(|i| SPECIAL[(i + start) % SPECIAL.len()]);
+            let b = std::array::from_fn(|i| SPECIAL[(i + start + shift) % SPECIAL.len()]);
             check(&a, &b);
         }
     }

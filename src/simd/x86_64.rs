@@ -1,4 +1,4 @@
-//! Lanes in one register.
+//! Lanes in one vector register: eight with AVX2, sixteen with AVX-512.
 #![expect(
     unsafe_code,
     reason = "vector instructions; each block states why it is sound"
@@ -7,9 +7,8 @@
 use super::Floats;
 use std::arch::x86_64::*;
 
-/// A type of lanes in one register. Values exist only inside functions that are compiled for
-/// the instructions and called after the processor was found to have them: every block relies
-/// on that.
+/// Defines lanes in one register. Values exist only inside [`Kernel::run`](super::Kernel::run), compiled for the
+/// instructions and called only where the processor has them: every `unsafe` block relies on that.
 macro_rules! register {
     ($(#[$doc:meta])* $name:ident, $register:ty, $lanes:literal,
      $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $mul_sub:ident,
@@ -138,8 +137,8 @@ register!(
     |a, b| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32,
     _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32,
     {
-        let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), a);
-        _mm256_andnot_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(size, b), a)
+        let abs = _mm256_andnot_ps(_mm256_set1_ps(-0.0), a);
+        _mm256_andnot_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(abs, b), a)
     }
 );
 

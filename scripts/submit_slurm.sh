@@ -36,7 +36,7 @@ frames_dir=$3 video=$4
 render=("$FLYTHROUGH" render "$1" "$2" --out "$frames_dir" "${@:5}")
 
 # What the frames are to be; frames that are there of something else count as missing from now on.
-"${render[@]}" --prepare plan
+"${render[@]}" --prepare sequence
 mkdir -p "$frames_dir/logs"
 entry() { sed -nE "s/^ *$1: ([^,]+),$/\1/p" "$frames_dir/sequence.ron"; }
 count=$(entry frames)
@@ -59,7 +59,7 @@ if [ -n "$tasks" ]; then
     if [ "$(entry path_light)" = true ]; then
         light=$(submit --job-name=light --cpus-per-task="${CPUS:-4}" --output="$frames_dir/logs/light_%j.log" <<JOB
 #!/usr/bin/env bash
-exec $(quoted "${render[@]}" --prepare light)
+exec $(quoted "${render[@]}" --prepare cache)
 JOB
         )
         after=(--dependency="afterok:$light" --kill-on-invalid-dep=yes)

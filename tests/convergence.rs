@@ -4,6 +4,7 @@
 mod support;
 
 use flythrough::camera::Camera;
+use flythrough::integrator::LightSampler;
 use flythrough::metrics::mean;
 use flythrough::render::RenderSettings;
 use flythrough::scene::Scene;
@@ -29,7 +30,7 @@ struct Room {
 
 static ROOM: LazyLock<Room> = LazyLock::new(|| {
     let scene = shipped_scene("test3.ron");
-    assert!(!scene.spots().is_empty());
+    assert!(!LightSampler::new(&scene).is_empty());
     let camera = shipped_path("test3.ron").camera(0);
     let reference = runs(&scene, &camera, &centers(4, &[2048]), 1_000_000..1_000_032);
     Room {
@@ -145,7 +146,7 @@ fn smooth_light() {
             objects: [sphere(center: (5, -2, 7), radius: 2, material: \"grey\")],
         )",
     );
-    assert!(scene.spots().is_empty());
+    assert!(LightSampler::new(&scene).is_empty());
     let camera = camera(DVec3::new(4.5, -2.5, 6.5), DVec3::new(9.0, -2.0, 6.0), 40.0);
     let direct = channels(&render(&scene, &camera, &centers(0, &[])));
     let indirect = 0.5 / PI * 0.5 * 3.0 / 4.0;

@@ -3,8 +3,8 @@
 
 mod support;
 
-use flythrough::integrator::CameraSample;
-use flythrough::render::{PixelSampling, RenderSettings, render_frame};
+use flythrough::integrator::{CameraSample, Integrator};
+use flythrough::render::{PixelSampling, RenderSettings};
 use glam::Vec3;
 use support::*;
 
@@ -15,7 +15,7 @@ fn on_threads(threads: usize, settings: &RenderSettings, frame: u32) -> Vec<Vec3
         .num_threads(threads)
         .build()
         .unwrap();
-    let rendered = pool.install(|| render_frame(&scene, &camera, settings, frame));
+    let rendered = pool.install(|| renderer(&scene, settings).render_frame(&camera, frame));
     rendered.film.pixels().to_vec()
 }
 
@@ -58,6 +58,7 @@ fn corners_equal_four_samples_of_each_pixel() {
     settings.sampling = PixelSampling::Corners;
     let shared = render(&scene, &camera, &settings);
     let size = glam::DVec2::new(width.into(), height.into());
+    let integrator = Integrator::new(&scene, &settings.integrator, None).unwrap();
     let mut traversal = flythrough::accel::Traversal::default();
     for y in 0..height {
         for x in 0..width {
@@ -71,9 +72,7 @@ fn corners_equal_four_samples_of_each_pixel() {
                     index: 0,
                 };
                 let mut radiance = [glam::Vec3::ZERO];
-                settings
-                    .integrator
-                    .radiance(&scene, &[sample], &mut traversal, &mut radiance);
+                integrator.radiance(&[sample], &mut traversal, &mut radiance);
                 radiance[0]
             };
             let above = corner(-0.5, -0.5) + corner(0.5, -0.5);

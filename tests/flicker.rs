@@ -4,7 +4,7 @@
 mod support;
 
 use flythrough::film::Film;
-use flythrough::render::{Flicker, Match, Reprojection, render_frame};
+use flythrough::render::{Flicker, Match, Reprojection};
 use flythrough::sampling::Random;
 use glam::Vec3;
 use std::sync::LazyLock;
@@ -24,7 +24,7 @@ fn room(scene: &str, path: &str, frames: [u32; 2]) -> Room {
     let scene = shipped_scene(scene);
     let [from, to] = frames.map(|frame| shipped_path(path).camera(frame));
     let settings = settings(ray_tracing(), WIDTH, HEIGHT);
-    let film = |camera| render_frame(&scene, camera, &settings, 0).film;
+    let film = |camera| renderer(&scene, &settings).render_frame(camera, 0).film;
     Room {
         reprojection: Reprojection::new(&scene, &from, &to, WIDTH, HEIGHT),
         truth: [film(&from), film(&to)],

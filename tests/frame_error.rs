@@ -5,7 +5,7 @@ mod support;
 
 use flythrough::camera::Camera;
 use flythrough::film::Film;
-use flythrough::render::{PixelSampling, RenderSettings, RenderedFrame, render_frame};
+use flythrough::render::{PixelSampling, RenderSettings, RenderedFrame};
 use flythrough::scene::Scene;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -26,7 +26,7 @@ fn frame(settings: &RenderSettings, seed: u32) -> RenderedFrame {
         seed,
         ..settings.clone()
     };
-    render_frame(&ROOM.0, &ROOM.1, &settings, 0)
+    renderer(&ROOM.0, &settings).render_frame(&ROOM.1, 0)
 }
 
 /// The mean of (x - r)^2 / (m^2 + (white / 10)^2), where m is the mean of the pixels around.
@@ -53,7 +53,7 @@ fn relative_square_error(picture: &Film, reference: &Film, white: f64) -> f64 {
 #[test]
 fn intervals_hold_the_true_error() {
     let exposed = RenderSettings {
-        white: 0.35,
+        display_white: 0.35,
         ..settings(monte_carlo(4, &[16]), SIZE[0], SIZE[1])
     };
     for (sampling, reference_splits) in [

@@ -3,6 +3,7 @@
 
 mod support;
 
+use flythrough::integrator::LightSampler;
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -49,7 +50,7 @@ fn light_off_the_centre_of_a_sphere() {
 /// The same with a light that throws a spot on the wall beside it, a hundred times as bright as the rest.
 #[test]
 fn light_by_the_wall_of_a_sphere() {
-    assert!(!lit_alike_all_over("(6.9, -2, 7)").spots().is_empty());
+    assert!(!LightSampler::new(&lit_alike_all_over("(6.9, -2, 7)")).is_empty());
 }
 
 fn lit_alike_all_over(position: &str) -> Scene {

@@ -5,7 +5,7 @@ mod support;
 
 use flythrough::accel::Traversal;
 use flythrough::camera::Camera;
-use flythrough::integrator::CameraSample;
+use flythrough::integrator::{CameraSample, Integrator, LightSampler};
 use flythrough::light::{Falloff, PointLight};
 use flythrough::math::Ray;
 use flythrough::sampling::{Sequence, uniform_sphere};
@@ -56,7 +56,7 @@ fn lit_by_first_second_both(lowered: f32) -> ([Scene; 3], Camera) {
 #[test]
 fn light_of_two_is_the_sum_path_by_path() {
     let (scenes, camera) = lit_by_first_second_both(0.5);
-    assert!(scenes[2].spots().is_empty());
+    assert!(LightSampler::new(&scenes[2]).is_empty());
     let settings = spread(monte_carlo(4, &[4, 2]), SIZE, 2);
     let [first, second, both] = scenes.map(|scene| render(&scene, &camera, &settings));
     for ((first, second), both) in first.iter().zip(&second).zip(&both) {
@@ -68,7 +68,11 @@ fn light_of_two_is_the_sum_path_by_path() {
 #[test]
 fn light_of_two_is_the_sum_on_average() {
     let (scenes, camera) = lit_by_first_second_both(0.0);
-    assert!(scenes.iter().all(|scene| !scene.spots().is_empty()));
+    assert!(
+        scenes
+            .iter()
+            .all(|scene| !LightSampler::new(scene).is_empty())
+    );
     let seeds = [0..32, 32..64, 64..96];
     let of = |i: usize| {
         let settings = settings(monte_carlo(4, &[32]), SIZE[0], SIZE[1]);
@@ -150,7 +154,7 @@ fn light_and_eye_may_change_places() {
             intensity: Vec3::ONE,
             falloff: Falloff::InverseSquare,
         }];
-        assert!(!scene.spots().is_empty());
+        assert!(!LightSampler::new(&scene).is_empty());
         let run = |seed| {
             let of_bounces = |bounces| radiance_around(&scene, eye, bounces, seed);
             (0..=4).flat_map(of_bounces).collect()
@@ -179,6 +183,7 @@ fn radiance_around(scene: &Scene, eye: DVec3, bounces: u32, seed: u32) -> Vec<f6
     };
     let samples: Vec<CameraSample> = (0..RAYS).map(sample).collect();
     let mut radiance = vec![Vec3::ZERO; samples.len()];
-    monte_carlo(bounces, &[1]).radiance(scene, &samples, &mut Traversal::default(), &mut radiance);
+    let integrator = Integrator::new(scene, &monte_carlo(bounces, &[1]), None).unwrap();
+    integrator.radiance(&samples, &mut Traversal::default(), &mut radiance);
     channels(&[radiance.iter().sum::<Vec3>() / RAYS as f32])
 }

@@ -3,11 +3,11 @@
 
 mod support;
 
-use flythrough::bake::bake;
+use flythrough::bake::{Baked, bake, cache_errors};
 use flythrough::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
-use flythrough::integrator::Integrator;
+use flythrough::integrator::IntegratorSettings;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
-use flythrough::render::{RenderSettings, cache_errors, render_pixels};
+use flythrough::render::{RenderSettings, Renderer};
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
@@ -36,17 +36,29 @@ fn across_the_room() -> CameraPath {
     )
 }
 
-/// Looks up the light that is worked out for a path.
-fn cached(scene: &Scene, path: &CameraPath, bounces: u32) -> Integrator {
-    let exact = settings(monte_carlo(bounces, &[1]), SIZE.0, SIZE.1);
-    let baked = bake(scene, path, "path", &exact, None, &|_, _| ());
-    baked.settings.integrator
+fn cached_settings(bounces: u32) -> RenderSettings {
+    settings(IntegratorSettings::Cached { bounces }, SIZE.0, SIZE.1)
 }
 
-/// The pixels of a frame by an integrator.
-fn frame(scene: &Scene, path: &CameraPath, integrator: &Integrator, frame: u32) -> Vec<Vec3> {
-    let settings = settings(integrator.clone(), SIZE.0, SIZE.1);
+/// The irradiance cache of a path.
+fn baked(scene: &Scene, path: &CameraPath, bounces: u32) -> Baked {
+    let settings = cached_settings(bounces);
+    bake(scene, path, "path", &settings, None, &|_, _| ())
+}
+
+/// The pixels of a frame by path tracing.
+fn path_traced(scene: &Scene, path: &CameraPath, paths: u32, frame: u32) -> Vec<Vec3> {
+    let settings = settings(monte_carlo(4, &[paths]), SIZE.0, SIZE.1);
     render(scene, &path.camera(frame), &settings)
+}
+
+/// The pixels of a frame by a cache.
+fn cached(scene: &Scene, path: &CameraPath, baked: &Baked, frame: u32) -> Vec<Vec3> {
+    let settings = cached_settings(baked.cache.bounces());
+    let renderer = Renderer::new(scene, settings, Some(&baked.cache)).unwrap();
+    let rendered = renderer.render_frame(&path.camera(frame), 0);
+    assert_eq!(rendered.non_finite_samples, 0);
+    rendered.film.pixels().to_vec()
 }
 
 fn mean(pixels: &[Vec3]) -> Vec3 {
@@ -67,9 +79,9 @@ fn light_inside_a_sphere_for_every_number_of_bounces() {
     let scene = inside_of_a_sphere("(5.9, -1.2, 7.4)");
     let eyes = [DVec3::new(4.5, -2.5, 6.5), DVec3::new(4.9, -1.5, 7.5)];
     let path = glide(eyes, DVec3::new(3.0, -3.0, 9.0));
-    let direct = frame(&scene, &path, &cached(&scene, &path, 0), 4);
+    let direct = cached(&scene, &path, &baked(&scene, &path, 0), 4);
     for bounces in 1..=4 {
-        let pixels = frame(&scene, &path, &cached(&scene, &path, bounces), 4);
+        let pixels = cached(&scene, &path, &baked(&scene, &path, bounces), 4);
         let expected: Vec3 = (1..=bounces as i32)
             .map(|k| albedo * albedo.powf(k as f32) * 3.0 / (4.0 * PI as f32))
             .sum();
@@ -87,10 +99,10 @@ fn light_inside_a_sphere_for_every_number_of_bounces() {
 fn a_room_agrees_with_paths_of_which_nothing_is_looked_up() {
     let scene = shipped_scene("test3.ron");
     let path = across_the_room();
-    let cached = cached(&scene, &path, 4);
+    let baked = baked(&scene, &path, 4);
     for number in [0, 8] {
-        let pixels = frame(&scene, &path, &cached, number);
-        let reference = frame(&scene, &path, &monte_carlo(4, &[1024]), number);
+        let pixels = cached(&scene, &path, &baked, number);
+        let reference = path_traced(&scene, &path, 1024, number);
         let error = relative_square_error(&pixels, &reference);
         // In units of a display white of 1, where this room is darker than in its own exposure.
         assert!(error < 0.001, "{number}: {error}");
@@ -105,28 +117,27 @@ fn the_error_is_known_and_met() {
     let scene = shipped_scene("test3.ron");
     let path = across_the_room();
     let baked = |target_error: Option<f64>| {
-        let exact = RenderSettings {
+        let settings = RenderSettings {
             target_error,
-            ..settings(monte_carlo(4, &[1]), SIZE.0, SIZE.1)
+            ..cached_settings(4)
         };
-        bake(&scene, &path, "path", &exact, None, &|_, _| ())
+        bake(&scene, &path, "path", &settings, None, &|_, _| ())
     };
-    let references = [1, 4, 7].map(|n| (n, frame(&scene, &path, &monte_carlo(4, &[2048]), n)));
+    let references = [1, 4, 7].map(|n| (n, path_traced(&scene, &path, 2048, n)));
     let (usual, finer) = (baked(None), baked(Some(2e-4)));
     assert!(usual.reaches_target && finer.reaches_target);
-    assert!(finer.cache.fineness() > usual.cache.fineness());
+    assert!(finer.state.fineness() > usual.state.fineness());
     for (baked, most) in [(&usual, 0.001), (&finer, 2e-4)] {
-        let settings = &baked.settings;
-        assert_eq!(settings.cache_errors.len(), 9);
+        assert_eq!(baked.errors.len(), 9);
         let errors = references.each_ref().map(|(number, reference)| {
-            let pixels = frame(&scene, &path, &settings.integrator, *number);
+            let pixels = cached(&scene, &path, baked, *number);
             f64::from(relative_square_error(&pixels, reference))
         });
         // Of 32 paths it is 0.0045.
         let of_reference = 0.0045 * 32.0 / 2048.0;
         let error = errors.iter().sum::<f64>() / 3.0 - of_reference;
         // So few pixels are of one window.
-        let [low, high] = settings.cache_errors[4].interval();
+        let [low, high] = baked.errors[4].interval();
         assert!(low < error && error < high, "{low} {error} {high}");
         assert!(high <= most, "{high}");
     }
@@ -145,13 +156,12 @@ fn wrong_light_is_found() {
     let eyes = [DVec3::new(0.3, 0.0, 0.0), DVec3::new(0.2, 0.1, 0.0)];
     let path = glide(eyes, DVec3::X);
     let right = of_intensity(1.0);
-    let wrong = cached(&of_intensity(1.2), &path, 1);
-    let looking_up = settings(wrong, SIZE.0, SIZE.1);
+    let wrong = baked(&of_intensity(1.2), &path, 1);
     let direct = 0.5 / PI;
     let indirect = 0.5 * direct;
     // The light that it is a share of is half way from the right to the wrong.
     let expected = (0.2 * indirect).powi(2) / ((direct + 1.1 * indirect).powi(2) + 0.01);
-    for error in cache_errors(&right, &path, &looking_up) {
+    for error in cache_errors(&right, &path, &cached_settings(1), &wrong.cache).unwrap() {
         let off = error.relative_square_error / expected - 1.0;
         assert!(off.abs() < 0.03, "{off}");
     }
@@ -215,11 +225,17 @@ fn whatever_is_in_the_scene_the_light_is_right() {
             glide(near_mirror, DVec3::new(0.1, 0.8, -1.0)),
         ),
     ] {
-        let exact = RenderSettings {
+        let looking_up = RenderSettings {
             target_error: Some(0.004),
-            ..settings(monte_carlo(4, &[1024]), SIZE.0, SIZE.1)
+            ..cached_settings(4)
         };
-        let baked = bake(&scene, &path, "path", &exact, None, &|_, _| ());
+        let baked = bake(&scene, &path, "path", &looking_up, None, &|_, _| ());
+        let exact = RenderSettings {
+            integrator: monte_carlo(4, &[1024]),
+            ..looking_up.clone()
+        };
+        let renderers =
+            [looking_up, exact].map(|s| Renderer::new(&scene, s, Some(&baked.cache)).unwrap());
         let mut held_out = Vec::new();
         let pixels: Vec<(u32, u32)> = (0..SIZE.0 * SIZE.1)
             .step_by(7)
@@ -227,8 +243,10 @@ fn whatever_is_in_the_scene_the_light_is_right() {
             .collect();
         for number in [0, 3, 8] {
             let camera = path.camera(number);
-            let of = |settings| render_pixels(&scene, &camera, settings, number, &pixels);
-            let both = of(&baked.settings).into_iter().zip(of(&exact));
+            let [technique, oracle] = renderers
+                .each_ref()
+                .map(|renderer| renderer.render_pixels(&camera, number, &pixels));
+            let both = technique.into_iter().zip(oracle);
             held_out.extend(both.map(|(technique, oracle)| HeldOutPixel { technique, oracle }));
         }
         let check = BiasCheck::of(&held_out, 0.0);
@@ -253,10 +271,10 @@ fn a_closed_room_stays_dark() {
         [DVec3::new(-1.8, 1.2, 1.7), DVec3::new(1.7, 1.2, 1.7)],
         DVec3::new(0.0, 0.1, 0.3),
     );
-    let cached = cached(&scene, &path, 4);
-    let bright = frame(&scene, &path, &cached, 0);
+    let baked = baked(&scene, &path, 4);
+    let bright = cached(&scene, &path, &baked, 0);
     assert!(bright.iter().all(|pixel| pixel.min_element() > 0.01));
-    let dark = frame(&scene, &path, &cached, 8);
+    let dark = cached(&scene, &path, &baked, 8);
     assert!(
         dark.iter().all(|pixel| *pixel == Vec3::ZERO),
         "{}",
@@ -275,8 +293,8 @@ fn threads_do_not_matter() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
         pool.build().unwrap().install(|| {
-            let cached = cached(&scene, &path, 3);
-            [0, 5].map(|number| frame(&scene, &path, &cached, number))
+            let baked = baked(&scene, &path, 3);
+            [0, 5].map(|number| cached(&scene, &path, &baked, number))
         })
     };
     let one = on(1);
@@ -295,12 +313,9 @@ fn nothing_to_gather() {
         let scene = scene(text);
         let eyes = [DVec3::new(0.0, 1.0, 3.0), DVec3::new(0.0, 1.0, 2.0)];
         let path = glide(eyes, DVec3::ZERO);
-        let cached = cached(&scene, &path, 4);
-        let Integrator::Cached { illumination } = &cached else {
-            panic!("it is cached");
-        };
-        assert_eq!(illumination.place_count(), [0, 0]);
-        let exact = frame(&scene, &path, &monte_carlo(4, &[1]), 3);
-        assert_eq!(frame(&scene, &path, &cached, 3), exact);
+        let baked = baked(&scene, &path, 4);
+        assert_eq!(baked.cache.place_count(), [0, 0]);
+        let exact = path_traced(&scene, &path, 1, 3);
+        assert_eq!(cached(&scene, &path, &baked, 3), exact);
     }
 }

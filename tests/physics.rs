@@ -3,7 +3,7 @@
 
 mod support;
 
-use flythrough::integrator::Integrator;
+use flythrough::integrator::IntegratorSettings;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 use support::*;
@@ -117,7 +117,7 @@ fn two_mirrors_face_each_other() {
             .map(|k| r.powi(k) * (1.0 - r) * 0.3 * ambient * kd)
             .sum();
         let expected = own + r.powi(bounces + 1) * 0.3 * ambient;
-        let integrator = Integrator::RayTracing {
+        let integrator = IntegratorSettings::Whitted {
             bounces: bounces as u32,
         };
         let seen = look(&scene, integrator, DVec3::ZERO, DVec3::new(1.0, 0.1, 0.05));

@@ -246,7 +246,7 @@ fn the_manifest_is_made_anew_of_the_frames_and_the_plan_of_the_inputs() {
 #[test]
 fn a_prepared_folder_knows_what_it_lacks() {
     let project = Project::new();
-    assert!(project.render(&["--prepare", "plan"]).is_empty());
+    assert!(project.render(&["--prepare", "sequence"]).is_empty());
     assert_eq!(project.missing(&["--format", "openjd"]), "0-8\n");
     project.render(&["--frames", "2-3"]);
     assert_eq!(project.missing(&["--format", "openjd"]), "0-1,4-8\n");
@@ -263,7 +263,7 @@ fn a_prepared_folder_knows_what_it_lacks() {
         stderr(&output)
     );
     project.write("s.ron", SCENE.as_bytes());
-    project.render(&["--prepare", "plan"]);
+    project.render(&["--prepare", "sequence"]);
     assert_eq!(project.missing(&["--format", "openjd"]), "0-8\n");
 }
 
@@ -274,7 +274,7 @@ fn light_of_the_path_is_kept_beside_the_frames() {
     let more = ["--mode", "montecarlo"];
     assert!(
         project
-            .render(&[&more[..], &["--prepare", "light"]].concat())
+            .render(&[&more[..], &["--prepare", "cache"]].concat())
             .is_empty()
     );
     let light = project.out().join("irradiance.cache");

@@ -49,9 +49,12 @@ fn an_audit_finds_frames_of_another_machine() {
 fn odd_frame(project: &Project, frame: u32) {
     use flythrough::frames::{FrameFolder, SequenceRecord};
     use flythrough::render::{Claim, FrameSink, RenderedFrame};
-    let plan: SequenceRecord = FrameFolder::open(&project.out()).unwrap().plan().clone();
-    let (width, height) = (plan.width, plan.height);
-    let folder = FrameFolder::new(&project.out(), plan, true);
+    let sequence: SequenceRecord = FrameFolder::open(&project.out())
+        .unwrap()
+        .sequence()
+        .clone();
+    let (width, height) = (sequence.width, sequence.height);
+    let folder = FrameFolder::new(&project.out(), sequence, true);
     let Claim::Granted(place) = folder.claim(frame, false).unwrap() else {
         panic!("nobody else is there");
     };

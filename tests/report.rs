@@ -4,7 +4,7 @@
 mod support;
 
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
-use flythrough::render::{PixelSampling, RenderSettings, render_frame, render_pixels};
+use flythrough::render::{PixelSampling, RenderSettings};
 use std::collections::BTreeSet;
 use std::fs;
 use support::statistics::spread;
@@ -18,7 +18,8 @@ fn held_out(technique: &RenderSettings) -> Vec<HeldOutPixel> {
     let camera = shipped_path("test3.ron").camera(20);
     let all = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
     let pixels: Vec<(u32, u32)> = all.step_by(5).collect();
-    let render = |settings: &RenderSettings| render_pixels(&scene, &camera, settings, 0, &pixels);
+    let render =
+        |settings: &RenderSettings| renderer(&scene, settings).render_pixels(&camera, 0, &pixels);
     let oracle = RenderSettings {
         seed: 1000,
         ..spread(monte_carlo(4, &[1]), SIZE, 512)
@@ -80,9 +81,10 @@ fn single_pixels_are_those_of_the_frame() {
                 sampling,
                 ..settings(integrator, 20, 15)
             };
-            let frame = render_frame(&scene, &camera, &settings, 7);
+            let renderer = renderer(&scene, &settings);
+            let frame = renderer.render_frame(&camera, 7);
             let pixels = [(0, 0), (19, 14), (10, 7), (3, 11)];
-            let single = render_pixels(&scene, &camera, &settings, 7, &pixels);
+            let single = renderer.render_pixels(&camera, 7, &pixels);
             for ((x, y), [a, b]) in pixels.iter().zip(single) {
                 let number = (y * 20 + x) as usize;
                 assert_close(0.5 * (a + b), frame.film.pixels()[number], 1e-6);
@@ -103,7 +105,8 @@ fn seeds_are_locked_or_not() {
             lock_seed,
             ..settings(monte_carlo(2, &[2]), 12, 9)
         };
-        let [a, b] = [0, 1].map(|frame| render_frame(&scene, &camera, &settings, frame));
+        let renderer = renderer(&scene, &settings);
+        let [a, b] = [0, 1].map(|frame| renderer.render_frame(&camera, frame));
         assert_eq!(a.film == b.film, lock_seed);
     }
 }

@@ -5,7 +5,7 @@ mod support;
 
 use flythrough::camera::Camera;
 use flythrough::film::Film;
-use flythrough::render::{Reprojection, render_frame};
+use flythrough::render::Reprojection;
 use flythrough::scene::Scene;
 use glam::{DVec2, DVec3, Vec3};
 use support::*;
@@ -43,7 +43,7 @@ fn a_lit_plane_leaves_nothing() {
     let to = camera(DVec3::new(-0.2, 2.1, 2.8), DVec3::new(0.1, 0.0, 0.4), 40.0);
     let reprojection = reprojection(&scene, &from, &to);
     let settings = settings(ray_tracing(), WIDTH, HEIGHT);
-    let films = [&from, &to].map(|camera| render_frame(&scene, camera, &settings, 0).film);
+    let films = [&from, &to].map(|camera| renderer(&scene, &settings).render_frame(camera, 0).film);
     let [from, to] = films.each_ref();
     let mean = to.pixels().iter().sum::<Vec3>() / (WIDTH * HEIGHT) as f32;
     let contrast = deviation(to.pixels(), mean);

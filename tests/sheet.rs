@@ -323,7 +323,7 @@ fn a_preview_takes_no_settings_and_no_place_of_finished_frames() {
         &["--gi-cache", "light"],
         &["--budget", "2h"],
         &["--aov", "error"],
-        &["--prepare", "plan"],
+        &["--prepare", "sequence"],
     ] {
         let output = project.run("render", &[&["--preview"], more].concat());
         assert_eq!(output.status.code(), Some(2), "{more:?}");

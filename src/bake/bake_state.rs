@@ -5,6 +5,7 @@ use super::gather::{Gathering, Purpose};
 use super::order::spread;
 use super::placement::{Candidate, Density, Placement};
 use crate::camera::CameraPath;
+use crate::integrator::FinalGather;
 use crate::irradiance_cache::{
     IrradianceCache, IrradianceRecords, PrimaryIrradiance, SecondaryIrradiance,
 };
@@ -204,8 +205,9 @@ impl BakeState {
         listener(0.3, "secondary places");
         self.place_secondary(scene, hits);
         listener(0.35, "secondary light");
-        let known = self.light_secondary(scene);
-        self.light_visible(scene, &known, listener);
+        let final_gather = FinalGather::new(scene);
+        let known = self.light_secondary(&final_gather);
+        self.light_visible(&final_gather, &known, listener);
         self.paths.push(name.to_owned());
         self.errors.clear();
     }
@@ -267,7 +269,7 @@ impl BakeState {
 
     /// Gathers the light of secondary places that have none yet, for one bounce, for two, and so on, each
     /// from the last.
-    fn light_secondary(&mut self, scene: &Scene) -> SecondaryIrradiance {
+    fn light_secondary(&mut self, final_gather: &FinalGather) -> SecondaryIrradiance {
         let Layer { placement, light } = &mut self.secondary;
         let (places, order) = placement.places.settled();
         let mut known = SecondaryIrradiance {
@@ -277,7 +279,7 @@ impl BakeState {
         };
         for (left, level) in (1..).zip(light) {
             let gathering = Gathering {
-                scene,
+                final_gather,
                 left,
                 paths: SECONDARY_PATHS << self.fineness,
                 purpose: Purpose::SecondaryIrradiance,
@@ -292,7 +294,12 @@ impl BakeState {
     }
 
     /// Gathers the light of visible places that have none yet.
-    fn light_visible(&mut self, scene: &Scene, known: &SecondaryIrradiance, listener: Listener) {
+    fn light_visible(
+        &mut self,
+        final_gather: &FinalGather,
+        known: &SecondaryIrradiance,
+        listener: Listener,
+    ) {
         let missing = |layer: &Layer| layer.placement.points.len() - layer.light[0].len();
         let all: usize = self.visible.iter().map(missing).sum();
         let done = AtomicUsize::new(0);
@@ -308,7 +315,7 @@ impl BakeState {
             // What mirrors show is but a part of the light.
             let paths = if left < bounces { paths / 2 } else { paths };
             let gathering = Gathering {
-                scene,
+                final_gather,
                 left,
                 paths: paths << self.fineness,
                 purpose: Purpose::PrimaryIrradiance,

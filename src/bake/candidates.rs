@@ -2,7 +2,7 @@ use super::order::spread;
 use super::placement::Candidate;
 use crate::accel::Traversal;
 use crate::camera::Camera;
-use crate::integrator::seen;
+use crate::integrator::visible_points;
 use crate::math::Ray;
 use crate::sampling::Sequence;
 use crate::scene::Scene;
@@ -60,11 +60,14 @@ pub(super) fn candidates(film: &Film) -> Vec<Vec<Candidate>> {
             let rays: Vec<Ray> = (batch * BATCH..(batch + 1) * BATCH)
                 .filter_map(ray)
                 .collect();
-            seen(film.scene, &rays, bounces, &mut Traversal::default())
+            visible_points(film.scene, &rays, bounces, &mut Traversal::default())
         })
         .collect();
     let of_level = |left: u32| {
-        let of_level: Vec<_> = seen.iter().filter(|seen| seen.left == left).collect();
+        let of_level: Vec<_> = seen
+            .iter()
+            .filter(|seen| seen.bounces_left == left)
+            .collect();
         let pixels = film.least_pixels[usize::from(left < bounces)];
         spread(of_level.len() as u32)
             .map(|number| of_level[number as usize])

@@ -1,8 +1,8 @@
 use crate::accel::Traversal;
-use crate::integrator::{GatherPoint, gather};
+use crate::integrator::{FinalGather, GatherPoint};
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::sampling::Sequence;
-use crate::scene::{Scene, SurfacePoint};
+use crate::scene::SurfacePoint;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -28,7 +28,7 @@ pub(super) fn numbers_of(point: &SurfacePoint, seed: u32, purpose: Purpose, left
 
 /// How light is gathered at places.
 pub(super) struct Gathering<'a> {
-    pub(super) scene: &'a Scene,
+    pub(super) final_gather: &'a FinalGather<'a>,
     /// How many bounces are left there.
     pub(super) left: u32,
     pub(super) paths: u32,
@@ -52,8 +52,7 @@ impl Gathering<'_> {
             };
             let points: Vec<GatherPoint> = points.iter().map(gather_point).collect();
             let mut traversal = Traversal::default();
-            let light = gather(
-                self.scene,
+            let light = self.final_gather.gather(
                 &points,
                 self.left,
                 self.paths,

@@ -17,74 +17,86 @@ mod fit;
 mod gather;
 mod order;
 mod placement;
+mod validation;
 
 use crate::camera::CameraPath;
-use crate::render::{ErrorEstimate, PixelSampling, RenderSettings, cache_errors};
+use crate::irradiance_cache::IrradianceCache;
+use crate::render::{ErrorEstimate, PixelSampling, RenderSettings};
 use crate::scene::Scene;
 pub use bake_state::BakeState;
 pub use cache_file::{CacheFile, CacheFileError};
-use std::sync::Arc;
+pub use validation::cache_errors;
 
 /// Is told how far the work is, of 1, and what is done now.
 pub type Listener<'a> = &'a (dyn Fn(f64, &'static str) + Sync);
 
-/// The light of a path.
+/// The irradiance cache of a path, and how good it is.
 #[derive(Debug)]
 pub struct Baked {
     /// What can be kept for other runs.
-    pub cache: BakeState,
-    /// The settings of frames that look it up.
-    pub settings: RenderSettings,
-    /// Whether its error leaves room for a target error. Always if there is none.
+    pub state: BakeState,
+    /// What frames look up.
+    pub cache: IrradianceCache,
+    /// The cache's error in each frame of the path; empty if there are no bounces.
+    pub errors: Vec<ErrorEstimate>,
+    /// Whether the errors leave room for the target error. Always if there is none.
     pub reaches_target: bool,
 }
 
-/// Works out the light for all frames of a path, called `name`, whose settings gather light exactly, on the
-/// threads of the current pool. With a cache of the same scene and settings only what is missing there is
-/// added.
+/// Bakes the irradiance cache for all frames of a path, called `name`, of these settings, on the threads of the
+/// current pool. With a state of the same scene and settings only what is missing there is added.
 ///
-/// Where a target error is set, the light may take half of it, or all where camera samples have no error. If it
-/// takes more, finer light is worked out; not so if a cache is given, which holds the light of other paths, too.
+/// Where a target error is set, the cache may take half of it, or all where camera samples have no error. If it
+/// takes more, a finer cache is baked; not so if a state is given, which holds the light of other paths, too.
 pub fn bake(
     scene: &Scene,
     path: &CameraPath,
     name: &str,
-    exact: &RenderSettings,
+    settings: &RenderSettings,
     given: Option<BakeState>,
     listener: Listener,
 ) -> Baked {
     let is_given = given.is_some();
-    let new = |fineness| BakeState::new(scene, exact.integrator.bounces(), exact.seed, fineness);
-    let mut cache = given.unwrap_or_else(|| new(0));
+    let bounces = settings.integrator.bounces();
+    let new = |fineness| BakeState::new(scene, bounces, settings.seed, fineness);
+    let mut state = given.unwrap_or_else(|| new(0));
     loop {
-        if !cache.covers(name) {
-            cache.extend(scene, path, name, (exact.width, exact.height), listener);
+        if !state.covers(name) {
+            state.extend(
+                scene,
+                path,
+                name,
+                (settings.width, settings.height),
+                listener,
+            );
         }
         listener(0.97, "error of the light");
-        let mut settings = exact.looking_up(Arc::new(cache.illumination()));
-        settings.cache_errors = match cache.errors(name, exact.white) {
-            Some(errors) => errors.into(),
+        let cache = state.illumination();
+        let errors = match state.errors(name, settings.display_white) {
+            Some(errors) => errors.to_vec(),
             None => {
-                let errors = cache_errors(scene, path, &settings);
-                cache.learn(name, exact.white, &errors);
-                errors.into()
+                let errors = cache_errors(scene, path, settings, &cache)
+                    .expect("the cache is of the settings' bounces");
+                state.learn(name, settings.display_white, &errors);
+                errors
             }
         };
-        let reaches_target = exact.target_error.is_none_or(|target| {
-            let share = match exact.sampling {
+        let reaches_target = settings.target_error.is_none_or(|target| {
+            let fraction = match settings.sampling {
                 PixelSampling::Spread(_) => 0.5,
                 PixelSampling::Center | PixelSampling::Corners => 1.0,
             };
-            let is_low = |error: &ErrorEstimate| error.interval()[1] <= share * target;
-            settings.cache_errors.iter().all(is_low)
+            let is_low = |error: &ErrorEstimate| error.interval()[1] <= fraction * target;
+            errors.iter().all(is_low)
         });
-        if reaches_target || is_given || cache.fineness() == BakeState::FINEST {
+        if reaches_target || is_given || state.fineness() == BakeState::FINEST {
             return Baked {
+                state,
                 cache,
-                settings,
+                errors,
                 reaches_target,
             };
         }
-        cache = new(cache.fineness() + 1);
+        state = new(state.fineness() + 1);
     }
 }

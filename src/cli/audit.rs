@@ -1,7 +1,7 @@
 use super::args::AuditArguments;
 use super::interrupt::Interrupt;
 use super::recorded::job_of;
-use super::verify::prove;
+use super::verify::verify;
 use super::{Failure, Status};
 use crate::frames::FrameFolder;
 use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
@@ -13,7 +13,7 @@ pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<St
     let out = absolute(&arguments.folder)?;
     let folder = FrameFolder::open(&out)?;
     let mut job = job_of(&folder, arguments.threads)?;
-    if !FrameFolder::new(&out, job.plan()?, false).has_its_plan() {
+    if !FrameFolder::new(&out, job.sequence()?, false).has_its_sequence() {
         let out = out.display();
         return Err(format!(
             "{out}: scene, path or what they name have changed since; render the sequence again"
@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<St
     }
     let all: Vec<u32> = (0..job.frame_count()).collect();
     let pool = &job.loaded.pool;
-    let proofs = pool.install(|| prove(&folder, &all, arguments.quiet));
+    let proofs = pool.install(|| verify(&folder, &all, arguments.quiet));
     let proven = proofs
         .into_iter()
         .filter_map(|(frame, proof)| proof.is_ok().then_some(frame));
@@ -33,7 +33,7 @@ pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<St
     job.bake(arguments.quiet)?;
 
     let shown = arguments.progress.shown(arguments.quiet);
-    let outcome = job.render(&sample, &Comparison(&folder), shown, interrupt);
+    let outcome = job.render(&sample, &Comparison(&folder), shown, interrupt)?;
     if !arguments.quiet {
         // Nobody has to read it: the exit status says what matters.
         let _ = writeln!(
@@ -68,7 +68,7 @@ fn chosen(mut frames: Vec<u32>, arguments: &AuditArguments) -> Vec<u32> {
 struct Comparison<'a>(&'a FrameFolder);
 
 impl FrameSink for Comparison<'_> {
-    type Place = ();
+    type Slot = ();
 
     fn claim(&self, _: u32, _: bool) -> Result<Claim<()>, SinkError> {
         Ok(Claim::Granted(()))

@@ -15,9 +15,9 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<Status, Failure> {
         ..given
     };
     given.check_together()?;
-    let exact = given.resolve();
+    let settings = given.resolve(loaded.path.path.timeline().frame_count());
     let store = LightStore::Shared(arguments.out.clone());
-    let light = PathLight::open(store, &loaded, &exact, arguments.force)?;
-    light.bake(&loaded, &exact, arguments.quiet)?;
+    let light = PathLight::open(store, &loaded, &settings, arguments.force)?;
+    light.bake(&loaded, &settings, arguments.quiet)?;
     Ok(Status::Done)
 }

@@ -14,7 +14,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     let scene = &input.scene;
     let settings = path.settings.or(input.settings);
     settings.check_together()?;
-    let resolved = settings.resolve();
+    let resolved = settings.resolve(1);
 
     let mut out = std::io::stdout().lock();
     writeln!(out, "scene      {}", arguments.input.scene.display())?;

@@ -4,23 +4,22 @@ use super::interrupt::Interrupt;
 use super::light::{LightStore, PathLight};
 use super::loading::{Loaded, load};
 use super::progress::{SequenceProgress, Shown, Steps};
+use crate::bake::Baked;
 use crate::forecast::Stage;
 use crate::frames::{FrameFormat, PlanCommand, SequenceRecord};
-use crate::input::{GlobalIllumination, Settings};
-use crate::render::{
-    FrameSink, Outcome, PixelSampling, RenderSettings, render_sequence, tile_count,
-};
+use crate::integrator::IntegratorSettings;
+use crate::render::{FrameSink, Outcome, PixelSampling, RenderSettings, Renderer, tile_count};
 use std::path::Path;
 
 /// Everything that decides the frames of a sequence: inputs loaded, settings resolved.
 pub(super) struct Job {
     pub(super) loaded: Loaded,
-    /// The settings of frames that gather light exactly.
-    exact: RenderSettings,
-    /// The settings of frames: until the light is there that they look up, the exact ones.
+    /// The settings of frames.
     pub(super) settings: RenderSettings,
     /// The light that frames look up, until it is there; none if they gather it.
     light: Option<PathLight>,
+    /// That light, once it is there.
+    baked: Option<Baked>,
     /// The names of the paths that the light is of.
     light_of: Option<Vec<String>>,
     exposure: f32,
@@ -43,24 +42,24 @@ impl Job {
         let given = loaded.settings(flags);
         let given = if is_preview { given.preview() } else { given };
         given.check_together()?;
-        let exact = given.resolve();
+        let settings = given.resolve(loaded.path.path.timeline().frame_count());
         let store = match (&arguments.gi_cache, out) {
             (Some(file), _) => LightStore::Shared(file.clone()),
             (None, Some(out)) => LightStore::Own(out.join("irradiance.cache")),
             (None, None) => LightStore::Nowhere,
         };
-        let light = light(store, &given, &loaded, &exact, force)?;
+        let light = light(store, &loaded, &settings, force)?;
         let error_maps = arguments.aov.is_some();
         if error_maps {
-            refuse_maps_without_noise(&exact, light.is_some())?;
+            refuse_maps_without_noise(&settings)?;
         }
         Ok(Job {
-            settings: exact.clone(),
+            baked: None,
             light_of: light.as_ref().map(PathLight::paths),
             exposure: given.exposure.unwrap_or(0.0),
             format: FrameFormat::from(arguments.format),
             loaded,
-            exact,
+            settings,
             light,
             error_maps,
         })
@@ -74,29 +73,27 @@ impl Job {
     /// Sees to it that the light is there that frames look up.
     pub(super) fn bake(&mut self, quiet: bool) -> Result<(), Failure> {
         if let Some(light) = self.light.take() {
-            self.settings = light.bake(&self.loaded, &self.exact, quiet)?;
+            self.baked = Some(light.bake(&self.loaded, &self.settings, quiet)?);
         }
         Ok(())
     }
 
     /// Frames of so many camera samples in each pixel.
     pub(super) fn take_samples(&mut self, samples: u32) {
-        for settings in [&mut self.exact, &mut self.settings] {
-            settings.sampling = PixelSampling::Spread(samples);
-        }
+        self.settings.sampling = PixelSampling::Spread(samples);
     }
 
     /// What the frames are to be.
-    pub(super) fn plan(&self) -> Result<SequenceRecord, Failure> {
+    pub(super) fn sequence(&self) -> Result<SequenceRecord, Failure> {
         let path = &self.loaded.path.path;
         let timeline = path.timeline();
         let program = SequenceRecord::program();
         // Of the path a frame knows its camera, and the light that is worked out for all of it.
         let of_all = format!(
             "{program} {:?} {:?} {} {:?}",
-            self.exact, self.light_of, self.exposure, self.format
+            self.settings, self.light_of, self.exposure, self.format
         );
-        let made_from = |frame| {
+        let input_hash = |frame| {
             let mut hasher = blake3::Hasher::new();
             hasher.update(self.loaded.scene_fingerprint.as_bytes());
             hasher.update(of_all.as_bytes());
@@ -112,14 +109,22 @@ impl Job {
             },
             fps: timeline.fps,
             frames: timeline.frame_count(),
-            width: self.exact.width,
-            height: self.exact.height,
+            width: self.settings.width,
+            height: self.settings.height,
             format: self.format,
             exposure: self.exposure,
             error_maps: self.error_maps,
             path_light: self.light_of.is_some(),
-            made_from: (0..timeline.frame_count()).map(made_from).collect(),
+            input_hash: (0..timeline.frame_count()).map(input_hash).collect(),
         })
+    }
+
+    /// What renders its frames, once the light is there that they look up.
+    pub(super) fn renderer(&self) -> Result<Renderer<'_>, Failure> {
+        let cache = self.baked.as_ref().map(|baked| &baked.cache);
+        let errors = self.baked.as_ref().map_or(&[][..], |baked| &baked.errors);
+        let renderer = Renderer::new(&self.loaded.scene.scene, self.settings.clone(), cache)?;
+        Ok(renderer.with_cache_errors(errors))
     }
 
     /// Renders frames for a sink, and shows how it goes on; the first signal from now on only asks for an end.
@@ -129,7 +134,8 @@ impl Job {
         sink: &Sink,
         shown: Shown,
         interrupt: Interrupt,
-    ) -> Outcome {
+    ) -> Result<Outcome, Failure> {
+        let renderer = self.renderer()?;
         // How many samples a frame will need until it is good enough nobody knows: it counts as a whole.
         let steps = match self.settings.target_error {
             Some(_) => Steps::Frames,
@@ -137,26 +143,23 @@ impl Job {
         };
         interrupt.wait_to_be_asked();
         let progress = SequenceProgress::new(frames.len() as u64, steps, shown, interrupt);
-        let outcome = render_sequence(
-            &self.loaded.scene.scene,
+        let outcome = renderer.render_sequence(
             &self.loaded.path.path,
-            &self.settings,
             frames,
             &self.loaded.pool,
             sink,
             &progress,
         );
         progress.finish();
-        outcome
+        Ok(outcome)
     }
 
     /// What a forecast renders frames of.
-    pub(super) fn stage<'a>(&'a self, plan: &'a SequenceRecord) -> Stage<'a> {
+    pub(super) fn stage<'a>(&'a self, sequence: &'a SequenceRecord) -> Stage<'a> {
         Stage {
-            scene: &self.loaded.scene.scene,
             path: &self.loaded.path.path,
             pool: &self.loaded.pool,
-            plan,
+            sequence,
         }
     }
 }
@@ -164,31 +167,26 @@ impl Job {
 /// The light that frames look up; none if they gather it.
 fn light(
     store: LightStore,
-    given: &Settings,
     loaded: &Loaded,
-    exact: &RenderSettings,
+    settings: &RenderSettings,
     force: bool,
 ) -> Result<Option<PathLight>, Failure> {
-    let frames = loaded.path.path.timeline().frame_count();
-    match (given.global_illumination(frames), &store) {
-        (GlobalIllumination::Cached, _) => Ok(Some(PathLight::open(store, loaded, exact, force)?)),
-        (GlobalIllumination::PathTraced, LightStore::Shared(_)) => {
-            Err("--gi-cache: add --gi cached".into())
+    match (&settings.integrator, &store) {
+        (IntegratorSettings::Cached { .. }, _) => {
+            Ok(Some(PathLight::open(store, loaded, settings, force)?))
         }
-        (GlobalIllumination::PathTraced, _) => Ok(None),
+        (_, LightStore::Shared(_)) => Err("--gi-cache: add --gi cached".into()),
+        _ => Ok(None),
     }
 }
 
-fn refuse_maps_without_noise(settings: &RenderSettings, looks_up: bool) -> Result<(), Failure> {
-    let (has_noise, advice) = match looks_up {
-        true => (
-            settings.has_noise_looking_up(),
-            "take more camera samples, or --gi path-traced",
-        ),
-        false => (settings.has_noise(), "choose a montecarlo mode"),
-    };
-    match has_noise {
-        true => Ok(()),
-        false => Err(format!("--aov error: nothing is left to chance here; {advice}").into()),
+fn refuse_maps_without_noise(settings: &RenderSettings) -> Result<(), Failure> {
+    if settings.has_noise() {
+        return Ok(());
     }
+    let advice = match settings.integrator {
+        IntegratorSettings::Cached { .. } => "take more camera samples, or --gi path-traced",
+        _ => "choose a montecarlo mode",
+    };
+    Err(format!("--aov error: nothing is left to chance here; {advice}").into())
 }

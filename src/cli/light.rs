@@ -3,7 +3,6 @@ use super::progress::{ShareProgress, clock};
 use super::{Failure, warn};
 use crate::bake::CacheFile;
 use crate::bake::{BakeState, Baked, bake};
-use crate::integrator::Integrator;
 use crate::render::{ErrorEstimate, PixelSampling, RenderSettings};
 use std::io::Write;
 use std::path::PathBuf;
@@ -28,24 +27,24 @@ pub(super) struct PathLight {
 }
 
 impl PathLight {
-    /// Opens the file; `exact` are the settings of frames that gather light exactly.
+    /// Opens the file, for frames of these settings.
     pub(super) fn open(
         store: LightStore,
         loaded: &Loaded,
-        exact: &RenderSettings,
+        settings: &RenderSettings,
         force: bool,
     ) -> Result<PathLight, Failure> {
         // Only where the error decides on the light what it is measured by does, too.
-        let target = exact.target_error.map(|target| {
-            let is_spread = matches!(exact.sampling, PixelSampling::Spread(_));
-            (target, exact.white, is_spread)
+        let target = settings.target_error.map(|target| {
+            let is_spread = matches!(settings.sampling, PixelSampling::Spread(_));
+            (target, settings.display_white, is_spread)
         });
         let decisive = format!(
             "{} {} {}x{} {target:?} {}",
-            exact.integrator.bounces(),
-            exact.seed,
-            exact.width,
-            exact.height,
+            settings.integrator.bounces(),
+            settings.seed,
+            settings.width,
+            settings.height,
             env!("CARGO_PKG_VERSION")
         );
         let mut fingerprint = blake3::Hasher::new();
@@ -87,10 +86,11 @@ impl PathLight {
     pub(super) fn bake(
         self,
         loaded: &Loaded,
-        exact: &RenderSettings,
+        settings: &RenderSettings,
         quiet: bool,
-    ) -> Result<RenderSettings, Failure> {
-        let has_all = |cache: &BakeState| cache.errors(&self.name, exact.white).is_some();
+    ) -> Result<Baked, Failure> {
+        let has_all =
+            |cache: &BakeState| cache.errors(&self.name, settings.display_white).is_some();
         let is_complete = self.found.as_ref().is_some_and(has_all);
         let file = self.file.filter(|_| !is_complete);
         if let Some(file) = &file {
@@ -100,11 +100,11 @@ impl PathLight {
         let progress = ShareProgress::new(quiet);
         let listener = |share, what| progress.at(share, what);
         let (scene, path) = (&loaded.scene.scene, &loaded.path.path);
-        let work = || bake(scene, path, &self.name, exact, self.found, &listener);
+        let work = || bake(scene, path, &self.name, settings, self.found, &listener);
         let baked = loaded.pool.install(work);
         progress.finish();
         if let Some(file) = file {
-            file.write(&baked.cache)?;
+            file.write(&baked.state)?;
         }
         if !quiet {
             let what = match is_complete {
@@ -118,26 +118,24 @@ impl PathLight {
                 "light of the path {what} in {}",
                 clock(start.elapsed())
             );
-            let _ = writeln!(out, "{}", summary(&baked.settings));
+            let _ = writeln!(out, "{}", summary(&baked));
         }
-        if let Some(warning) = shortfall(&baked, exact) {
+        if let Some(warning) = shortfall(&baked, settings.target_error) {
             warn(&[warning]);
         }
-        Ok(baked.settings)
+        Ok(baked)
     }
 }
 
 /// How much light there is, and its error.
-fn summary(settings: &RenderSettings) -> String {
+fn summary(baked: &Baked) -> String {
     let mut summary = String::new();
-    if let Integrator::Cached { illumination } = &settings.integrator {
-        let [visible, secondary] = illumination.place_count();
-        let megabytes = illumination.memory() as f64 / 1e6;
-        summary += &format!(
-            "  {visible} places that the camera sees, {secondary} beyond, {megabytes:.1} MB in memory"
-        );
-    }
-    let errors = || (0..).zip(settings.cache_errors.iter());
+    let [visible, secondary] = baked.cache.place_count();
+    let megabytes = baked.cache.memory() as f64 / 1e6;
+    summary += &format!(
+        "  {visible} places that the camera sees, {secondary} beyond, {megabytes:.1} MB in memory"
+    );
+    let errors = || (0..).zip(baked.errors.iter());
     let of = |error: &ErrorEstimate| error.relative_square_error;
     if let Some((frame, worst)) = errors().max_by(|a, b| of(a.1).total_cmp(&of(b.1))) {
         let mean = errors().map(|(_, e)| of(e)).sum::<f64>() / errors().count() as f64;
@@ -152,9 +150,9 @@ fn summary(settings: &RenderSettings) -> String {
 }
 
 /// What to say of light that is not good enough.
-fn shortfall(baked: &Baked, exact: &RenderSettings) -> Option<String> {
-    let target = exact.target_error.filter(|_| !baked.reaches_target)?;
-    let errors = baked.settings.cache_errors.iter();
+fn shortfall(baked: &Baked, target_error: Option<f64>) -> Option<String> {
+    let target = target_error.filter(|_| !baked.reaches_target)?;
+    let errors = baked.errors.iter();
     let worst = errors.map(|error| error.interval()[1]).fold(0.0, f64::max);
     Some(format!(
         "the light of the path leaves too little room for the error of {target}: its own may be up to {worst:.2e}; \

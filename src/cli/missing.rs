@@ -1,15 +1,15 @@
 use super::args::MissingArguments;
 use super::frames::ranges;
 use super::values::ListFormatArgument;
-use super::verify::prove;
+use super::verify::verify;
 use super::{Failure, Status};
 use crate::frames::FrameFolder;
 use std::io::Write;
 
 pub(super) fn run(arguments: &MissingArguments) -> Result<Status, Failure> {
     let folder = FrameFolder::open(&arguments.folder)?;
-    let frames: Vec<u32> = (0..folder.plan().frames).collect();
-    let proofs = prove(&folder, &frames, arguments.quiet).into_iter();
+    let frames: Vec<u32> = (0..folder.sequence().frames).collect();
+    let proofs = verify(&folder, &frames, arguments.quiet).into_iter();
     let missing = proofs.filter_map(|(frame, proof)| proof.is_err().then_some(frame));
     let listed = match arguments.format {
         ListFormatArgument::List => missing.map(|frame| format!("{frame}\n")).collect(),

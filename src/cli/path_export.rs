@@ -14,7 +14,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
         ..Settings::default()
     };
     flags.check().map_err(|error| error.of_flag())?;
-    let settings = flags.or(input.settings).resolve();
+    let settings = flags.or(input.settings).resolve(1);
     let aspect = f64::from(settings.width) / f64::from(settings.height);
     let path = &input.path;
     let frames = FrameCameras::of(path);

@@ -21,7 +21,7 @@ pub(super) fn run(arguments: &PlotArguments) -> Result<Status, Failure> {
     };
     flags.check().map_err(|error| error.of_flag())?;
     let loaded = load(&arguments.input, &arguments.threads)?;
-    let settings = loaded.settings(flags).resolve();
+    let settings = loaded.settings(flags).resolve(1);
     let aspect = f64::from(settings.width) / f64::from(settings.height);
     let title = arguments.input.path.file_stem().unwrap_or_default();
     let (scene, path) = (&loaded.scene.scene, &loaded.path.path);

@@ -1,6 +1,6 @@
 use super::interrupt::Interrupt;
 use super::values::ProgressArgument;
-use crate::render::{Observer, SinkError, Watch};
+use crate::render::{FrameObserver, SequenceObserver, SinkError};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -141,7 +141,7 @@ impl SequenceProgress {
     }
 }
 
-impl Watch for SequenceProgress {
+impl FrameObserver for SequenceProgress {
     fn tile_done(&self, rays: u64) {
         self.rays.fetch_add(rays, Ordering::Relaxed);
         if !self.steps_are_frames {
@@ -155,7 +155,7 @@ impl Watch for SequenceProgress {
     }
 }
 
-impl Observer for SequenceProgress {
+impl SequenceObserver for SequenceProgress {
     fn frame_kept(&self, _: u32) {
         self.frames_kept.fetch_add(1, Ordering::Relaxed);
         if self.steps_are_frames {

@@ -82,23 +82,24 @@ impl Kept {
         }
         job.bake(quiet)?;
         let memory = resident().map_or(0.0, |[now, _]| now);
-        let plan = job.plan()?;
+        let sequence = job.sequence()?;
         let (quote, choice) = match budget {
             // What was chosen before stays: frames are made of it.
             None => {
                 let choice = out.and_then(Kept::read).and_then(|kept| kept.choice);
-                let quote = Quote::new(job.stage(&plan), &job.settings, memory);
+                let quote = Quote::new(job.stage(&sequence), &job.renderer()?, memory);
                 (quote, choice)
             }
             Some(budget) => {
                 let seconds = budget.as_secs_f64();
-                let within = samples_within(job.stage(&plan), &job.settings, seconds, memory);
+                let within =
+                    samples_within(job.stage(&sequence), &job.renderer()?, seconds, memory);
                 let (samples, quote) = within.ok_or_else(|| {
                     let budget = clock(budget);
                     format!("--budget: one sample of each pixel takes longer than {budget}")
                 })?;
                 job.take_samples(1);
-                let of_one_sample = hash(&job.plan()?);
+                let of_one_sample = hash(&job.sequence()?);
                 job.take_samples(samples);
                 let choice = Choice {
                     samples,
@@ -109,7 +110,7 @@ impl Kept {
             }
         };
         let kept = Kept {
-            of: hash(&job.plan()?),
+            of: hash(&job.sequence()?),
             choice,
             quote,
         };
@@ -131,7 +132,7 @@ impl Kept {
 /// Gives a job the samples that were chosen for a budget when its folder was first rendered to. False if none were.
 pub(super) fn choose_again(job: &mut Job, budget: Duration, out: &Path) -> Result<bool, Failure> {
     job.take_samples(1);
-    let of_one_sample = hash(&job.plan()?);
+    let of_one_sample = hash(&job.sequence()?);
     let choice = Kept::read(out).and_then(|kept| kept.choice);
     let is_it = |choice: &Choice| {
         choice.budget == budget.as_secs_f64() && choice.of_one_sample == of_one_sample
@@ -183,7 +184,7 @@ pub(super) fn score(
 ) -> Option<String> {
     let Kept { of, quote, .. } = Kept::read(folder.path())?;
     let is_whole = outcome.kept as usize == rendered.len() && !rendered.is_empty();
-    if of != hash(folder.plan()) || quote.threads != threads || !is_whole {
+    if of != hash(folder.sequence()) || quote.threads != threads || !is_whole {
         return None;
     }
     let seconds = quote.seconds(rendered);
@@ -213,8 +214,8 @@ fn make(out: &Path) -> Result<(), Failure> {
 }
 
 /// A hash of what all frames are to be made from.
-fn hash(plan: &SequenceRecord) -> String {
-    blake3::hash(plan.made_from.concat().as_bytes()).to_string()
+fn hash(sequence: &SequenceRecord) -> String {
+    blake3::hash(sequence.input_hash.concat().as_bytes()).to_string()
 }
 
 /// Bytes of memory that the process has now, and the most that it had; none where the system does not say.

@@ -11,7 +11,7 @@ use clap::Parser;
 /// Loads what the frames of a folder were made from, as it is now. Names in the command are relative to where it
 /// was typed: that is the current folder from now on.
 pub(super) fn job_of(folder: &FrameFolder, threads: ThreadsArgument) -> Result<Job, Failure> {
-    let command = &folder.plan().command;
+    let command = &folder.sequence().command;
     let mut render = render_of(folder)?;
     let there = command.folder.display();
     let gone_there = std::env::set_current_dir(&command.folder);
@@ -38,7 +38,7 @@ pub(super) fn is_preview(folder: &FrameFolder) -> bool {
 
 /// The command that the frames of a folder were rendered by.
 fn render_of(folder: &FrameFolder) -> Result<RenderArguments, Failure> {
-    let arguments = &folder.plan().command.arguments;
+    let arguments = &folder.sequence().command.arguments;
     match Arguments::try_parse_from(arguments)?.command {
         Command::Render(render) => Ok(render),
         _ => Err(format!("{}: not rendered by render", folder.path().display()).into()),

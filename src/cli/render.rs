@@ -7,7 +7,7 @@ use super::quote::{keep_within, score};
 use super::recorded::is_preview;
 use super::sheet::draw;
 use super::values::{OrderArgument, PrepareArgument};
-use super::verify::prove;
+use super::verify::verify;
 use super::{Failure, Status, warn};
 use crate::camera::FrameCameras;
 use crate::frames::{FrameFolder, Manifest, VerifyError};
@@ -38,8 +38,8 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     if let Some(budget) = arguments.budget {
         keep_within(&mut job, budget, &out, arguments.quiet)?;
     }
-    let folder = FrameFolder::new(&out, job.plan()?, arguments.force);
-    if arguments.prepare == Some(PrepareArgument::SequenceRecord) {
+    let folder = FrameFolder::new(&out, job.sequence()?, arguments.force);
+    if arguments.prepare == Some(PrepareArgument::Sequence) {
         folder.prepare()?;
         return Ok(Status::Done);
     }
@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
             .pool
             .install(|| missing(&folder, &frames, arguments.quiet)),
     };
-    if !missing.is_empty() || !folder.has_its_plan() {
+    if !missing.is_empty() || !folder.has_its_sequence() {
         folder.prepare()?;
     }
     if !missing.is_empty() {
@@ -60,7 +60,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         }
         job.bake(arguments.quiet)?;
     }
-    if arguments.prepare == Some(PrepareArgument::Light) {
+    if arguments.prepare == Some(PrepareArgument::Cache) {
         return Ok(Status::Done);
     }
     if let OrderArgument::CoarseToFine = arguments.order {
@@ -69,11 +69,11 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
 
     let shown = arguments.progress.shown(arguments.quiet);
     let start = Instant::now();
-    let outcome = job.render(&missing, &folder, shown, interrupt);
+    let outcome = job.render(&missing, &folder, shown, interrupt)?;
     let elapsed = start.elapsed();
 
     let cameras = FrameCameras::of(&job.loaded.path.path);
-    let is_anothers = folder.has_another_plan();
+    let is_anothers = folder.has_another_sequence();
     let is_listed = is_anothers || list(&folder, &cameras, !missing.is_empty());
     if !arguments.quiet {
         let there = frames.len() - missing.len();
@@ -111,7 +111,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
 fn missing(folder: &FrameFolder, frames: &[u32], quiet: bool) -> Vec<u32> {
     let mut missing = Vec::new();
     let mut stale = 0;
-    for (frame, proof) in prove(folder, frames, quiet) {
+    for (frame, proof) in verify(folder, frames, quiet) {
         let Err(fault) = proof else { continue };
         missing.push(frame);
         match fault {

@@ -7,7 +7,7 @@ use std::path::Path;
 
 pub(super) fn run(arguments: &SheetArguments) -> Result<Status, Failure> {
     let folder = FrameFolder::open(&arguments.folder)?;
-    let count = folder.plan().frames;
+    let count = folder.sequence().frames;
     let frames = match &arguments.frames {
         None => (0..count).collect(),
         Some(ranges) => ranges.of_path(count)?,

@@ -32,10 +32,10 @@ pub(super) enum OrderArgument {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum PrepareArgument {
-    /// Write down what the frames are to be, so that verify and missing know
-    SequenceRecord,
-    /// The same, and work out the light of --gi cached if it is needed
-    Light,
+    /// Write sequence.ron, which says what the frames are to be
+    Sequence,
+    /// The same, and bake the irradiance cache of --gi cached if it is needed
+    Cache,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

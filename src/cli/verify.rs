@@ -13,7 +13,7 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
     let out = absolute(&arguments.folder)?;
     let written_down = FrameFolder::open(&out)?;
     let job = job_of(&written_down, arguments.threads);
-    let (folder, pool) = match job.and_then(|job| Ok((job.plan()?, job.loaded.pool))) {
+    let (folder, pool) = match job.and_then(|job| Ok((job.sequence()?, job.loaded.pool))) {
         Ok((plan, pool)) => (FrameFolder::new(&out, plan, false), pool),
         Err(error) => {
             warn(&[format!(
@@ -22,10 +22,10 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
             (written_down, pool(&arguments.threads)?)
         }
     };
-    let count = folder.plan().frames;
+    let count = folder.sequence().frames;
     let frames: Vec<u32> = (0..count).collect();
     let mut lines = Vec::new();
-    for (frame, proof) in pool.install(|| prove(&folder, &frames, arguments.quiet)) {
+    for (frame, proof) in pool.install(|| verify(&folder, &frames, arguments.quiet)) {
         if let Err(fault) = proof {
             lines.push(format!("{}: {fault}", folder.file_of(frame).display()));
         }
@@ -55,7 +55,7 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
 }
 
 /// Proves frames on all threads of the current pool; gives them in their order.
-pub(super) fn prove(
+pub(super) fn verify(
     folder: &FrameFolder,
     frames: &[u32],
     quiet: bool,
@@ -63,7 +63,7 @@ pub(super) fn prove(
     let progress = ShareProgress::new(quiet);
     let done = AtomicUsize::new(0);
     let prove = |&frame: &u32| {
-        let proof = folder.prove(frame);
+        let proof = folder.verify(frame);
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         progress.at(done as f64 / frames.len() as f64, "proving frames");
         (frame, proof)

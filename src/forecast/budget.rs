@@ -1,6 +1,6 @@
 use super::pilot::Stage;
 use super::quote::Quote;
-use crate::render::{PixelSampling, RenderSettings};
+use crate::render::{PixelSampling, Renderer};
 
 /// The most camera samples that anybody gets.
 const MOST: u32 = 1 << 16;
@@ -12,17 +12,14 @@ const TRIES: usize = 4;
 /// the whole of the forecast's interval; and that forecast. None if one sample is too much.
 pub fn samples_within(
     stage: Stage,
-    settings: &RenderSettings,
+    renderer: &Renderer,
     seconds: f64,
     memory: f64,
 ) -> Option<(u32, Quote)> {
     let frames: Vec<u32> = (0..stage.path.timeline().frame_count()).collect();
     let quote = |samples: u32| {
-        let settings = RenderSettings {
-            sampling: PixelSampling::Spread(samples),
-            ..settings.clone()
-        };
-        let quote = Quote::new(stage, &settings, memory);
+        let renderer = renderer.with_sampling(PixelSampling::Spread(samples));
+        let quote = Quote::new(stage, &renderer, memory);
         (quote.seconds(&frames).high, quote)
     };
     let mut best = None;

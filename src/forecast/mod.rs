@@ -1,9 +1,9 @@
 //! What a sequence will take, before it is paid for: seconds, bytes on disk and in memory, from a few frames of it.
 //!
-//! Knows nothing of the command line or of how light is gathered: it renders as [`render_sequence`] does, and
+//! Knows nothing of the command line or of how light is gathered: it renders as [`Renderer::render_sequence`] does, and
 //! looks at the clock.
 //!
-//! [`render_sequence`]: crate::render::render_sequence
+//! [`Renderer::render_sequence`]: crate::render::Renderer::render_sequence
 
 mod budget;
 mod pilot;

@@ -1,10 +1,8 @@
 use crate::camera::CameraPath;
 use crate::frames::SequenceRecord;
 use crate::render::{
-    Claim, EncodedFrame, FrameSink, RenderSettings, RenderedFrame, SinkError, Unwatched,
-    render_sequence,
+    Claim, EncodedFrame, FrameSink, NoObserver, RenderSettings, RenderedFrame, Renderer, SinkError,
 };
-use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::sync::Mutex;
 use std::time::Instant;
@@ -28,17 +26,15 @@ const GRAIN: f64 = 0.1;
 /// No side of a frame is made shorter than this, in pixels.
 const LEAST_SIDE: u32 = 64;
 
-/// What frames are rendered of, and how they would be kept.
+/// What frames are rendered along, and how they would be kept.
 #[derive(Clone, Copy, Debug)]
 pub struct Stage<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
     /// The camera path.
     pub path: &'a CameraPath,
     /// Threads.
     pub pool: &'a rayon::ThreadPool,
     /// What the frames are to be.
-    pub plan: &'a SequenceRecord,
+    pub sequence: &'a SequenceRecord,
 }
 
 /// A few frames of a sequence, rendered for what they cost: as they will be, or smaller.
@@ -67,7 +63,8 @@ pub struct PilotFrame {
 impl Pilot {
     /// Renders frames at a size at which they take no more than they are worth. Where that is smaller than the
     /// sequence's, their bytes go on growing as they did from half of that size.
-    pub fn run(stage: Stage, settings: &RenderSettings) -> Pilot {
+    pub fn run(stage: Stage, renderer: &Renderer) -> Pilot {
+        let settings = renderer.settings();
         let timeline = stage.path.timeline();
         let chosen = timeline.spread(FRAMES);
         let all = f64::from(timeline.frame_count()) / chosen.len() as f64;
@@ -75,7 +72,10 @@ impl Pilot {
             frames.iter().map(value).sum()
         };
         let mut halvings = most_halvings(settings);
-        let measure = |halvings| stage.measure(&smaller(settings, halvings), &chosen);
+        let measure = |halvings| {
+            let [width, height] = smaller(settings, halvings);
+            stage.measure(&renderer.with_size(width, height), &chosen)
+        };
         // What is used for the first time takes longer.
         measure(halvings);
         let mut frames = measure(halvings);
@@ -109,14 +109,9 @@ impl Pilot {
     }
 }
 
-/// The settings of frames with so often halved sides.
-fn smaller(settings: &RenderSettings, halvings: u32) -> RenderSettings {
-    let side = |side: u32| (side >> halvings).max(1);
-    RenderSettings {
-        width: side(settings.width),
-        height: side(settings.height),
-        ..settings.clone()
-    }
+/// Columns and rows of frames with so often halved sides.
+fn smaller(settings: &RenderSettings, halvings: u32) -> [u32; 2] {
+    [settings.width, settings.height].map(|side| (side >> halvings).max(1))
 }
 
 fn most_halvings(settings: &RenderSettings) -> u32 {
@@ -126,21 +121,19 @@ fn most_halvings(settings: &RenderSettings) -> u32 {
 
 /// How many times as many pixels the full size has.
 fn pixels_more(settings: &RenderSettings, halvings: u32) -> f64 {
-    let pixels = |settings: &RenderSettings| f64::from(settings.width) * f64::from(settings.height);
-    pixels(settings) / pixels(&smaller(settings, halvings))
+    let pixels = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
+    pixels(smaller(settings, 0)) / pixels(smaller(settings, halvings))
 }
 
 impl Stage<'_> {
     /// Renders frames as a sequence. Each has its share of the seconds by the rays that it took.
-    fn measure(&self, settings: &RenderSettings, frames: &[u32]) -> Vec<PilotFrame> {
+    fn measure(&self, renderer: &Renderer, frames: &[u32]) -> Vec<PilotFrame> {
         let scale = Scale {
-            plan: self.plan,
+            sequence: self.sequence,
             weighed: Mutex::default(),
         };
         let start = Instant::now();
-        render_sequence(
-            self.scene, self.path, settings, frames, self.pool, &scale, &Unwatched,
-        );
+        renderer.render_sequence(self.path, frames, self.pool, &scale, &NoObserver);
         let seconds = start.elapsed().as_secs_f64();
         let mut weighed = scale.weighed.into_inner().expect("no holder panics");
         weighed.sort_unstable_by_key(|(frame, ..)| *frame);
@@ -156,12 +149,12 @@ impl Stage<'_> {
 
 /// Weighs frames in place of keeping them: number, rays and bytes.
 struct Scale<'a> {
-    plan: &'a SequenceRecord,
+    sequence: &'a SequenceRecord,
     weighed: Mutex<Vec<(u32, u64, usize)>>,
 }
 
 impl FrameSink for Scale<'_> {
-    type Place = ();
+    type Slot = ();
 
     fn claim(&self, _: u32, _: bool) -> Result<Claim<()>, SinkError> {
         Ok(Claim::Granted(()))
@@ -169,7 +162,7 @@ impl FrameSink for Scale<'_> {
 
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
         let rays = rendered.rays;
-        let encoded = self.plan.encode(frame, rendered)?;
+        let encoded = self.sequence.encode(frame, rendered)?;
         let weight = (frame, rays, encoded.bytes());
         self.weighed.lock().expect("no holder panics").push(weight);
         Ok(encoded)
@@ -183,17 +176,16 @@ impl FrameSink for Scale<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::integrator::Integrator;
+    use crate::integrator::IntegratorSettings;
 
     #[test]
     fn sizes_are_halved_down_to_the_least() {
         let settings = |width, height| {
-            RenderSettings::new(Integrator::RayTracing { bounces: 0 }, width, height)
+            RenderSettings::new(IntegratorSettings::Whitted { bounces: 0 }, width, height)
         };
         let full = settings(1280, 720);
         assert_eq!(most_halvings(&full), 3);
-        let small = smaller(&full, 3);
-        assert_eq!((small.width, small.height), (160, 90));
+        assert_eq!(smaller(&full, 3), [160, 90]);
         assert_eq!(pixels_more(&full, 3), 64.0);
         assert_eq!(most_halvings(&settings(20, 30)), 0);
     }

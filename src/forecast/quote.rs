@@ -1,6 +1,6 @@
 use super::pilot::{Pilot, PilotFrame, Stage};
 use crate::metrics::{mean, student};
-use crate::render::{RenderSettings, frame_memory};
+use crate::render::{Renderer, frame_memory};
 use serde::{Deserialize, Serialize};
 
 /// How much the pace of a machine that others share changes from one minute to the next, relatively.
@@ -48,12 +48,12 @@ impl Forecast {
 
 impl Quote {
     /// Of all frames of a path. `memory` are the bytes that the program takes before the first frame.
-    pub fn new(stage: Stage, settings: &RenderSettings, memory: f64) -> Quote {
+    pub fn new(stage: Stage, renderer: &Renderer, memory: f64) -> Quote {
         let Pilot {
             frames,
             doubt_of_seconds,
             doubt_of_bytes,
-        } = Pilot::run(stage, settings);
+        } = Pilot::run(stage, renderer);
         let count = stage.path.timeline().frame_count();
         let within = |value: fn(&PilotFrame) -> f64, doubt: f64, pace: f64| {
             let values: Vec<f64> = frames.iter().map(value).collect();
@@ -62,7 +62,8 @@ impl Quote {
         };
         let threads = stage.pool.current_num_threads();
         let before = memory + OF_THREAD * threads as f64;
-        let [least, most] = frame_memory(settings).map(|bytes| before + 2.0 * bytes as f64);
+        let [least, most] =
+            frame_memory(renderer.settings()).map(|bytes| before + 2.0 * bytes as f64);
         Quote {
             threads,
             seconds_within: within(|frame| frame.seconds, doubt_of_seconds, PACE),

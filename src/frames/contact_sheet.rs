@@ -47,11 +47,11 @@ impl ContactSheet<'_> {
     /// most 30 in all.
     pub fn new<'a>(folder: &'a FrameFolder, listed: &[u32]) -> ContactSheet<'a> {
         let count = listed.len().min(MOST_FRAMES);
-        let plan = folder.plan();
+        let sequence = folder.sequence();
         ContactSheet {
             folder,
             frames: spread(listed.len(), count).map(|at| listed[at]).collect(),
-            grid: Grid::new(count as u32, (plan.width, plan.height)),
+            grid: Grid::new(count as u32, (sequence.width, sequence.height)),
         }
     }
 
@@ -83,9 +83,9 @@ impl ContactSheet<'_> {
 
     /// All but the frames.
     fn svg(&self, frames: &[Result<Picture, VerifyError>]) -> String {
-        let plan = self.folder.plan();
+        let sequence = self.folder.sequence();
         let (width, height) = self.grid.size();
-        let seconds = |frame: u32| format!("{:.2} s", f64::from(frame) / plan.fps);
+        let seconds = |frame: u32| format!("{:.2} s", f64::from(frame) / sequence.fps);
         let mut svg = format!(
             r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}"
                 font-family="sans-serif" font-size="13" fill="#dddddd">
@@ -93,11 +93,11 @@ impl ContactSheet<'_> {
             <text x="{MARGIN}" y="28" font-size="20">{}</text>
             <text x="{MARGIN}" y="50" fill="#999999">{} frames, {} fps, {}x{}, {}</text>"##,
             escaped(&title(self.folder)),
-            plan.frames,
-            (plan.fps * 1e3).round() / 1e3,
-            plan.width,
-            plan.height,
-            seconds(plan.frames.saturating_sub(1))
+            sequence.frames,
+            (sequence.fps * 1e3).round() / 1e3,
+            sequence.width,
+            sequence.height,
+            seconds(sequence.frames.saturating_sub(1))
         );
         for ((number, frame), picture) in (0..).zip(&self.frames).zip(frames) {
             let (x, y) = self.grid.tile(number);
@@ -143,11 +143,11 @@ fn title(folder: &FrameFolder) -> String {
 
 /// A frame as a display shows it, so many columns and rows of it.
 fn small(folder: &FrameFolder, frame: u32, size: (u32, u32)) -> Result<Picture, VerifyError> {
-    let (_, picture) = folder.proven(frame)?;
-    let plan = folder.plan();
-    let mut film = plan.format.film(&picture);
-    if plan.format == FrameFormat::Exr {
-        film.expose(plan.exposure);
+    let (_, picture) = folder.verified(frame)?;
+    let sequence = folder.sequence();
+    let mut film = sequence.format.film(&picture);
+    if sequence.format == FrameFormat::Exr {
+        film.expose(sequence.exposure);
     }
     Ok(FrameFormat::Png.picture(&scaled(&film, size)))
 }

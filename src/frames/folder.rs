@@ -17,7 +17,7 @@ use std::time::SystemTime;
 use thiserror::Error;
 
 /// The file beside the frames that says what they are.
-const PLAN_FILE: &str = "sequence.ron";
+const SEQUENCE_FILE: &str = "sequence.ron";
 
 /// The file beside the frames that shows some of them.
 const SHEET_FILE: &str = "sheet.png";
@@ -29,7 +29,7 @@ const CAMERAS_FILE: &str = "cameras.jsonl";
 const OWN_FILES: [&str; 9] = [
     "frame_",
     "error_",
-    PLAN_FILE,
+    SEQUENCE_FILE,
     CAMERAS_FILE,
     "manifest.ron",
     "errors.",
@@ -63,7 +63,7 @@ pub enum FolderError {
          sequence (again): frames that are there are kept",
         file = .file.display()
     )]
-    NoPlan {
+    NoSequence {
         /// The file.
         file: PathBuf,
         /// What is wrong with it.
@@ -87,11 +87,11 @@ pub enum FolderError {
 #[derive(Debug)]
 pub struct FrameFolder {
     folder: PathBuf,
-    plan: SequenceRecord,
+    sequence: SequenceRecord,
     /// Whether frames that are proven are rendered all the same.
     force: bool,
     /// Which file said what the frames are to be when the folder was prepared.
-    plan_file: OnceLock<Option<FileIdentity>>,
+    prepared_file: OnceLock<Option<FileIdentity>>,
 }
 
 /// What tells a file from one that is put in its place.
@@ -106,28 +106,28 @@ pub struct Place {
 
 impl FrameFolder {
     /// A folder that is there or will be, of the frames of a plan.
-    pub fn new(folder: &Path, plan: SequenceRecord, force: bool) -> FrameFolder {
+    pub fn new(folder: &Path, sequence: SequenceRecord, force: bool) -> FrameFolder {
         FrameFolder {
             folder: folder.to_owned(),
-            plan,
+            sequence,
             force,
-            plan_file: OnceLock::new(),
+            prepared_file: OnceLock::new(),
         }
     }
 
     /// A folder that is there, of the frames that it says it is of.
     pub fn open(folder: &Path) -> Result<FrameFolder, FolderError> {
-        let file = folder.join(PLAN_FILE);
+        let file = folder.join(SEQUENCE_FILE);
         let text = fs::read_to_string(&file).map_err(|error| error.to_string());
-        let plan = text.and_then(|text| SequenceRecord::from_text(&text));
-        let plan = plan.map_err(|message| FolderError::NoPlan { file, message })?;
-        if plan.program != SequenceRecord::program() {
+        let sequence = text.and_then(|text| SequenceRecord::from_text(&text));
+        let sequence = sequence.map_err(|message| FolderError::NoSequence { file, message })?;
+        if sequence.program != SequenceRecord::program() {
             return Err(FolderError::OtherProgram {
                 folder: folder.to_owned(),
-                theirs: plan.program,
+                theirs: sequence.program,
             });
         }
-        Ok(FrameFolder::new(folder, plan, false))
+        Ok(FrameFolder::new(folder, sequence, false))
     }
 
     /// Makes the folder, proves that it can be written, writes down what its frames are to be, and removes what
@@ -136,45 +136,47 @@ impl FrameFolder {
         let prepare = || {
             fs::create_dir_all(&self.folder)?;
             remove_leftovers(&self.folder, &OWN_FILES)?;
-            if self.has_its_plan() {
-                return check_writable(&self.folder.join(PLAN_FILE));
+            if self.has_its_sequence() {
+                return check_writable(&self.folder.join(SEQUENCE_FILE));
             }
-            let text = self.plan.to_text().map_err(io::Error::other)?;
-            write_atomic(&self.folder.join(PLAN_FILE), text.as_bytes())
+            let text = self.sequence.to_text().map_err(io::Error::other)?;
+            write_atomic(&self.folder.join(SEQUENCE_FILE), text.as_bytes())
         };
         prepare().map_err(|source| FolderError::Unwritable {
             folder: self.folder.clone(),
             source,
         })?;
-        self.plan_file.get_or_init(|| self.plan_identity());
+        self.prepared_file
+            .get_or_init(|| self.sequence_file_identity());
         Ok(())
     }
 
-    fn plan_identity(&self) -> Option<FileIdentity> {
-        let file = fs::metadata(self.folder.join(PLAN_FILE)).ok()?;
+    fn sequence_file_identity(&self) -> Option<FileIdentity> {
+        let file = fs::metadata(self.folder.join(SEQUENCE_FILE)).ok()?;
         Some((file.ino(), file.modified().ok()?))
     }
 
     /// Whether somebody else has said, since it was prepared, that the folder is of other frames.
-    fn was_given_another_plan(&self) -> bool {
-        let prepared = self.plan_file.get();
-        prepared.is_some_and(|file| *file != self.plan_identity()) && self.has_another_plan()
+    fn was_given_another_sequence(&self) -> bool {
+        let prepared = self.prepared_file.get();
+        prepared.is_some_and(|file| *file != self.sequence_file_identity())
+            && self.has_another_sequence()
     }
 
     /// Whether the folder is said to be of the frames of this plan.
-    pub fn has_its_plan(&self) -> bool {
-        let there = self.plan_there();
-        there.is_some_and(|there| there.has_the_frames_of(&self.plan))
+    pub fn has_its_sequence(&self) -> bool {
+        let there = self.recorded();
+        there.is_some_and(|there| there.has_the_frames_of(&self.sequence))
     }
 
     /// Whether it is said to be of others.
-    pub fn has_another_plan(&self) -> bool {
-        let there = self.plan_there();
-        there.is_some_and(|there| !there.has_the_frames_of(&self.plan))
+    pub fn has_another_sequence(&self) -> bool {
+        let there = self.recorded();
+        there.is_some_and(|there| !there.has_the_frames_of(&self.sequence))
     }
 
-    fn plan_there(&self) -> Option<SequenceRecord> {
-        let text = fs::read_to_string(self.folder.join(PLAN_FILE)).ok()?;
+    fn recorded(&self) -> Option<SequenceRecord> {
+        let text = fs::read_to_string(self.folder.join(SEQUENCE_FILE)).ok()?;
         SequenceRecord::from_text(&text).ok()
     }
 
@@ -194,13 +196,13 @@ impl FrameFolder {
     }
 
     /// What its frames are to be.
-    pub fn plan(&self) -> &SequenceRecord {
-        &self.plan
+    pub fn sequence(&self) -> &SequenceRecord {
+        &self.sequence
     }
 
     /// The file of a frame.
     pub fn file_of(&self, frame: u32) -> PathBuf {
-        let extension = self.plan.format.extension();
+        let extension = self.sequence.format.extension();
         self.folder.join(format!("frame_{frame:05}.{extension}"))
     }
 
@@ -226,21 +228,21 @@ impl FrameFolder {
 
     /// Proves that all that is to be kept of a frame is there, whole, as it was written, and made from what the
     /// plan says.
-    pub fn prove(&self, frame: u32) -> Result<FrameRecord, VerifyError> {
-        let (record, _) = self.proven(frame)?;
-        if self.plan.error_maps {
-            let map = self.prove_file(&self.map_of(frame), frame, FrameFormat::Exr);
+    pub fn verify(&self, frame: u32) -> Result<FrameRecord, VerifyError> {
+        let (record, _) = self.verified(frame)?;
+        if self.sequence.error_maps {
+            let map = self.verify_file(&self.map_of(frame), frame, FrameFormat::Exr);
             map.map_err(|fault| VerifyError::ErrorMap(Box::new(fault)))?;
         }
         Ok(record)
     }
 
     /// What the file of a frame holds, proven, whatever else is kept of the frame.
-    pub(super) fn proven(&self, frame: u32) -> Result<(FrameRecord, Picture), VerifyError> {
-        self.prove_file(&self.file_of(frame), frame, self.plan.format)
+    pub(super) fn verified(&self, frame: u32) -> Result<(FrameRecord, Picture), VerifyError> {
+        self.verify_file(&self.file_of(frame), frame, self.sequence.format)
     }
 
-    fn prove_file(
+    fn verify_file(
         &self,
         file: &Path,
         frame: u32,
@@ -253,22 +255,27 @@ impl FrameFolder {
         let expected = Expected {
             frame,
             format,
-            size: (self.plan.width, self.plan.height),
-            made_from: &self.plan.made_from[frame as usize],
+            size: (self.sequence.width, self.sequence.height),
+            input_hash: &self.sequence.input_hash[frame as usize],
         };
-        expected.prove(&bytes)
+        expected.verify(&bytes)
     }
 
     /// What the file of a frame says of it, without proof; none if it is not there, says nothing or is another
     /// frame.
     pub fn record(&self, frame: u32) -> Option<FrameRecord> {
-        let note = self.plan.format.note(&self.file_of(frame)).ok().flatten()?;
+        let note = self
+            .sequence
+            .format
+            .note(&self.file_of(frame))
+            .ok()
+            .flatten()?;
         FrameRecord::from_text(&note).filter(|record| record.frame == frame)
     }
 
     /// The names in the folder that look like frames but are none of the sequence, in order.
     pub fn strays(&self) -> Result<Vec<String>, FolderError> {
-        let files = (0..self.plan.frames).map(|frame| self.file_of(frame));
+        let files = (0..self.sequence.frames).map(|frame| self.file_of(frame));
         let own: HashSet<PathBuf> = files.collect();
         let strays = || -> io::Result<Vec<String>> {
             let mut strays = Vec::new();
@@ -297,17 +304,17 @@ impl FrameFolder {
 
     /// The most bytes that the file of a picture may take.
     fn bound(&self, format: FrameFormat) -> u64 {
-        let pixels = u64::from(self.plan.width) * u64::from(self.plan.height);
+        let pixels = u64::from(self.sequence.width) * u64::from(self.sequence.height);
         let samples = 3 * format.bytes_per_channel() as u64 * pixels;
         samples + samples / 8 + (1 << 12)
     }
 }
 
 impl FrameSink for FrameFolder {
-    type Place = Place;
+    type Slot = Place;
 
     fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Place>, SinkError> {
-        if self.was_given_another_plan() {
+        if self.was_given_another_sequence() {
             let folder = self.folder.display();
             return Err(format!("{folder}: is of another sequence by now; use two folders").into());
         }
@@ -322,12 +329,12 @@ impl FrameSink for FrameFolder {
         let Some(part) = part.map_err(|error| named(&file, error))? else {
             return Ok(Claim::Busy);
         };
-        let picture = with_room(part, self.plan.format).map_err(|error| named(&file, error))?;
-        if !self.force && self.prove(frame).is_ok() {
+        let picture = with_room(part, self.sequence.format).map_err(|error| named(&file, error))?;
+        if !self.force && self.verify(frame).is_ok() {
             return Ok(Claim::Kept);
         }
         let mut error_map = None;
-        if self.plan.error_maps {
+        if self.sequence.error_maps {
             let file = self.map_of(frame);
             // Whoever holds the frame need not ask for its map.
             let part = PartFile::own(&file).and_then(|part| with_room(part, FrameFormat::Exr));
@@ -337,7 +344,7 @@ impl FrameSink for FrameFolder {
     }
 
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
-        self.plan.encode(frame, rendered)
+        self.sequence.encode(frame, rendered)
     }
 
     fn keep(&self, frame: u32, place: Place, encoded: &EncodedFrame) -> Result<(), SinkError> {

@@ -22,7 +22,7 @@ impl Manifest {
     /// Asks each frame that is there: the manifest is made anew of the frames alone, so it is right for whoever
     /// rendered them, in however many runs, and can be lost. What is no frame is passed over.
     fn of(folder: &FrameFolder) -> Manifest {
-        let frames = (0..folder.plan().frames).filter_map(|frame| folder.record(frame));
+        let frames = (0..folder.sequence().frames).filter_map(|frame| folder.record(frame));
         Manifest {
             frames: frames.collect(),
         }

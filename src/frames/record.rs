@@ -8,7 +8,7 @@ pub struct FrameRecord {
     /// Its number.
     pub frame: u32,
     /// A hash of all that decided its pixels: the scene's files, its camera, settings, format, program version.
-    pub made_from: String,
+    pub input_hash: String,
     /// A hash of the file's pixels.
     pub pixels: String,
     /// How far chance may have moved it; none where nothing was left to chance.
@@ -71,7 +71,7 @@ mod tests {
         for error in [None, Some(estimate)] {
             let record = FrameRecord {
                 frame: 7,
-                made_from: "ab".to_owned(),
+                input_hash: "ab".to_owned(),
                 pixels: "cd".to_owned(),
                 error: error.map(FrameError::from),
             };

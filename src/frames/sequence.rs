@@ -32,7 +32,7 @@ pub struct SequenceRecord {
     /// Whether frames look up light that is worked out for the whole path.
     pub path_light: bool,
     /// Of each frame, a hash of all that decides its pixels.
-    pub made_from: Vec<String>,
+    pub input_hash: Vec<String>,
 }
 
 /// A command line and where it was typed.
@@ -76,7 +76,7 @@ impl SequenceRecord {
             let picture = format.picture(film);
             let record = FrameRecord {
                 frame,
-                made_from: self.made_from[frame as usize].clone(),
+                input_hash: self.input_hash[frame as usize].clone(),
                 pixels: picture.hash().to_string(),
                 error,
             };
@@ -98,9 +98,9 @@ impl SequenceRecord {
 
     /// What a file says; an error if it is no plan or contradicts itself.
     pub(super) fn from_text(text: &str) -> Result<SequenceRecord, String> {
-        let plan: SequenceRecord = ron::from_str(text).map_err(|error| error.to_string())?;
-        match plan.made_from.len() as u64 == u64::from(plan.frames) {
-            true => Ok(plan),
+        let sequence: SequenceRecord = ron::from_str(text).map_err(|error| error.to_string())?;
+        match sequence.input_hash.len() as u64 == u64::from(sequence.frames) {
+            true => Ok(sequence),
             false => Err("it does not list as many frames as it says there are".to_owned()),
         }
     }

@@ -10,7 +10,7 @@ use glam::Vec3;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-fn plan(made_from: &str) -> SequenceRecord {
+fn plan(input_hash: &str) -> SequenceRecord {
     SequenceRecord {
         program: SequenceRecord::program(),
         command: PlanCommand {
@@ -25,7 +25,7 @@ fn plan(made_from: &str) -> SequenceRecord {
         exposure: 0.0,
         error_maps: false,
         path_light: false,
-        made_from: vec![made_from.to_owned(); 3],
+        input_hash: vec![input_hash.to_owned(); 3],
     }
 }
 
@@ -65,14 +65,14 @@ fn what_is_kept_is_proven_and_nothing_else_is_left() {
     let path = root.path().join("deep/er");
     let folder = FrameFolder::new(&path, plan("a"), false);
     folder.prepare().expect("new");
-    assert!(matches!(folder.prove(2), Err(VerifyError::Missing)));
+    assert!(matches!(folder.verify(2), Err(VerifyError::Missing)));
     keep(&folder, 2).expect("kept");
-    let record = folder.prove(2).expect("whole");
-    assert_eq!((record.frame, record.made_from.as_str()), (2, "a"));
+    let record = folder.verify(2).expect("whole");
+    assert_eq!((record.frame, record.input_hash.as_str()), (2, "a"));
     assert_eq!(names(&path), ["frame_00002.png", "sequence.ron"]);
     assert!(matches!(folder.claim(2, false), Ok(Claim::Kept)));
     let opened = FrameFolder::open(&path).expect("there");
-    assert_eq!(opened.prove(2).expect("whole"), record);
+    assert_eq!(opened.verify(2).expect("whole"), record);
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn every_fault_is_told_from_the_others() {
     let whole = fs::read(&file).expect("there");
     let fault = |bytes: &[u8]| {
         fs::write(&file, bytes).expect("written");
-        folder.prove(0).expect_err("changed").to_string()
+        folder.verify(0).expect_err("changed").to_string()
     };
     assert_eq!(fault(b""), "empty");
     assert!(fault(&whole[..40]).starts_with("cut short or damaged"));
@@ -125,7 +125,7 @@ fn every_fault_is_told_from_the_others() {
     assert_eq!(fault(&other), "is frame 1 under another name");
     fs::write(&file, &whole).expect("written");
     let of_another = FrameFolder::new(root.path(), plan("b"), false);
-    let stale = of_another.prove(0).expect_err("other").to_string();
+    let stale = of_another.verify(0).expect_err("other").to_string();
     assert!(stale.starts_with("stale"), "{stale}");
     for other in [
         SequenceRecord {
@@ -137,10 +137,10 @@ fn every_fault_is_told_from_the_others() {
             ..plan("b")
         },
     ] {
-        let stale = FrameFolder::new(root.path(), other, false).prove(0);
+        let stale = FrameFolder::new(root.path(), other, false).verify(0);
         assert!(matches!(stale, Err(VerifyError::Stale)));
     }
-    folder.prove(0).expect("as it was");
+    folder.verify(0).expect("as it was");
 }
 
 /// Of each file every bit is flipped, one after the other.
@@ -160,7 +160,7 @@ fn no_flipped_bit_goes_unseen() {
             let mut bytes = whole.clone();
             bytes[bit / 8] ^= 1 << (bit % 8);
             fs::write(&file, &bytes).expect("written");
-            assert!(folder.prove(0).is_err(), "{format:?}: bit {bit}");
+            assert!(folder.verify(0).is_err(), "{format:?}: bit {bit}");
         }
     }
 }
@@ -174,11 +174,11 @@ fn an_error_map_belongs_to_its_frame() {
     };
     let folder = FrameFolder::new(root.path(), with_maps, false);
     keep(&folder, 0).expect("kept");
-    folder.prove(0).expect("whole");
+    folder.verify(0).expect("whole");
     fs::write(folder.map_of(0), "half").expect("written");
-    assert!(matches!(folder.prove(0), Err(VerifyError::ErrorMap(_))));
+    assert!(matches!(folder.verify(0), Err(VerifyError::ErrorMap(_))));
     keep(&folder, 0).expect("made again");
-    folder.prove(0).expect("whole");
+    folder.verify(0).expect("whole");
     keep(&FrameFolder::new(root.path(), plan("a"), true), 0).expect("kept");
     assert_eq!(names(root.path()), ["frame_00000.png"]);
 }
@@ -190,12 +190,12 @@ fn plans_are_compared_but_for_the_command() {
     folder.prepare().expect("new");
     let mut same = plan("a");
     same.command.arguments.push("--quiet".to_owned());
-    assert!(FrameFolder::new(root.path(), same, false).has_its_plan());
+    assert!(FrameFolder::new(root.path(), same, false).has_its_sequence());
     let other = FrameFolder::new(root.path(), plan("b"), false);
-    assert!(!other.has_its_plan());
+    assert!(!other.has_its_sequence());
     other.prepare().expect("written over");
-    assert!(other.has_its_plan() && !other.has_another_plan());
-    assert!(!folder.has_its_plan() && folder.has_another_plan());
+    assert!(other.has_its_sequence() && !other.has_another_sequence());
+    assert!(!folder.has_its_sequence() && folder.has_another_sequence());
     let older = SequenceRecord {
         program: "flythrough 0.0.1".to_owned(),
         ..plan("a")
@@ -210,7 +210,7 @@ fn plans_are_compared_but_for_the_command() {
     fs::write(root.path().join("sequence.ron"), "Sequence(").expect("written");
     assert!(matches!(
         FrameFolder::open(root.path()),
-        Err(FolderError::NoPlan { .. })
+        Err(FolderError::NoSequence { .. })
     ));
 }
 

@@ -42,13 +42,13 @@ pub(super) struct Expected<'a> {
     pub(super) format: FrameFormat,
     /// Columns and rows.
     pub(super) size: (u32, u32),
-    pub(super) made_from: &'a str,
+    pub(super) input_hash: &'a str,
 }
 
 impl Expected<'_> {
     /// Proves that the bytes of a file are what this program wrote for the frame, to the last of them: its pixels
     /// are those that it says it has, and encoded anew they are the same bytes.
-    pub(super) fn prove(&self, bytes: &[u8]) -> Result<(FrameRecord, Picture), VerifyError> {
+    pub(super) fn verify(&self, bytes: &[u8]) -> Result<(FrameRecord, Picture), VerifyError> {
         if bytes.is_empty() {
             return Err(VerifyError::Empty);
         }
@@ -59,7 +59,7 @@ impl Expected<'_> {
         if record.frame != self.frame {
             return Err(VerifyError::OtherFrame(record.frame));
         }
-        let is_stale = record.made_from != self.made_from;
+        let is_stale = record.input_hash != self.input_hash;
         let Some(picture) = picture else {
             return Err(if is_stale {
                 VerifyError::Stale

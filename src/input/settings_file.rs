@@ -1,4 +1,4 @@
-use crate::integrator::Integrator;
+use crate::integrator::IntegratorSettings;
 use crate::render::{PixelSampling, RenderSettings};
 use serde::Deserialize;
 use std::fmt;
@@ -264,18 +264,20 @@ impl Settings {
             })
     }
 
-    /// The settings of frames, with defaults for what nothing says: raytracing, 1280 x 720,
-    /// 4 bounces, 32 paths from the first diffuse bounce, seed 0.
-    pub fn resolve(&self) -> RenderSettings {
+    /// The settings of frames in a sequence of so many, with defaults for what nothing says: raytracing, 1280 x 720,
+    /// 4 bounces, 32 paths from the first diffuse bounce, seed 0; for indirect light see
+    /// [`Settings::global_illumination`].
+    pub fn resolve(&self, frames: u32) -> RenderSettings {
         let mode = self.mode.unwrap_or_default();
         let (width, height) = self.size.unwrap_or(SIZE);
         let bounces = self.bounces.unwrap_or(4);
-        let integrator = match mode {
-            Mode::Raytracing | Mode::Supersampling => Integrator::RayTracing { bounces },
-            Mode::Montecarlo | Mode::MontecarloSupersampling => Integrator::MonteCarlo {
+        let integrator = match (mode, self.global_illumination(frames)) {
+            (Mode::Raytracing | Mode::Supersampling, _) => IntegratorSettings::Whitted { bounces },
+            (_, GlobalIllumination::PathTraced) => IntegratorSettings::PathTraced {
                 bounces,
                 splits: self.splits.clone().unwrap_or_else(|| vec![32, 1, 1, 1]),
             },
+            (_, GlobalIllumination::Cached) => IntegratorSettings::Cached { bounces },
         };
         let sampling = match (self.samples, mode) {
             (Some(count), _) => PixelSampling::Spread(count),
@@ -286,7 +288,7 @@ impl Settings {
             sampling,
             seed: self.seed.unwrap_or(0),
             lock_seed: self.lock_seed.unwrap_or(false),
-            white: libm::exp2f(-self.exposure.unwrap_or(0.0)),
+            display_white: libm::exp2f(-self.exposure.unwrap_or(0.0)),
             target_error: self.target_error,
             ..RenderSettings::new(integrator, width, height)
         }
@@ -322,12 +324,12 @@ mod tests {
             bounces: Some(2),
             ..Settings::default()
         };
-        let resolved = flags.or(file).resolve();
+        let resolved = flags.or(file).resolve(1);
         assert_eq!(resolved.sampling, PixelSampling::Spread(4));
         let splits = vec![32, 1, 1, 1];
         assert_eq!(
             resolved.integrator,
-            Integrator::MonteCarlo { bounces: 2, splits }
+            IntegratorSettings::PathTraced { bounces: 2, splits }
         );
         assert_eq!((resolved.width, resolved.height), (1280, 720));
     }
@@ -357,6 +359,25 @@ mod tests {
     }
 
     #[test]
+    fn resolved_settings_have_the_integrator_of_the_mode_and_the_sequence() {
+        let integrator = |mode: Mode, frames: u32| {
+            let settings = Settings {
+                mode: Some(mode),
+                bounces: Some(2),
+                ..Settings::default()
+            };
+            settings.resolve(frames).integrator
+        };
+        let whitted = IntegratorSettings::Whitted { bounces: 2 };
+        assert_eq!(integrator(Mode::Supersampling, 9), whitted);
+        let cached = IntegratorSettings::Cached { bounces: 2 };
+        assert_eq!(integrator(Mode::Montecarlo, 9), cached);
+        let splits = vec![32, 1, 1, 1];
+        let path_traced = IntegratorSettings::PathTraced { bounces: 2, splits };
+        assert_eq!(integrator(Mode::Montecarlo, 1), path_traced);
+    }
+
+    #[test]
     fn previews_are_small_and_fast_whatever_is_set() {
         let settings = Settings {
             mode: Some(Mode::MontecarloSupersampling),
@@ -376,10 +397,10 @@ mod tests {
             GlobalIllumination::PathTraced
         );
         let expected = RenderSettings {
-            white: 0.5,
-            ..RenderSettings::new(Integrator::RayTracing { bounces: 7 }, 320, 1280)
+            display_white: 0.5,
+            ..RenderSettings::new(IntegratorSettings::Whitted { bounces: 7 }, 320, 1280)
         };
-        assert_eq!(format!("{:?}", preview.resolve()), format!("{expected:?}"));
+        assert_eq!(preview.resolve(99), expected);
         assert_eq!(expected.sampling, PixelSampling::Center);
         for (size, small) in [
             (None, (320, 180)),

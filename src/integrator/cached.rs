@@ -1,77 +1,78 @@
-use super::gather::{GatherPoint, gather_for};
-use super::ray_tracing::Step;
+//! Indirect diffuse light from the irradiance cache, with a final gather where no record is near.
+
+use super::final_gather::{FinalGather, GatherPoint};
+use super::whitted::Wavefront;
 use super::{CameraSample, ambient};
 use crate::accel::Traversal;
 use crate::irradiance_cache::IrradianceCache;
 use crate::material::Features;
-use crate::scene::{Scene, Surface};
+use crate::scene::Surface;
 use glam::Vec3;
 
-/// How many paths go on from points where nothing is known: few see one, and every camera sample has its own.
-const UNKNOWN_PATHS: u32 = 16;
+/// Paths of a final gather: few points need one, and every camera sample has its own.
+const GATHER_PATHS: u32 = 16;
 
-/// Indirect light that is looked up.
-pub(super) struct Cached<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) illumination: &'a IrradianceCache,
+/// Looks the indirect light of camera samples up.
+pub(super) struct CachedIrradiance<'a> {
+    pub(super) cache: &'a IrradianceCache,
+    pub(super) final_gather: &'a FinalGather<'a>,
     pub(super) samples: &'a [CameraSample],
 }
 
-impl Cached<'_> {
-    /// The mean light that arrives from the hemisphere at each surface of a step that makes something of it.
+impl CachedIrradiance<'_> {
+    /// The cosine-weighted mean radiance that arrives at each diffuse surface of a wavefront; black at others.
     pub(super) fn indirect<F: Features>(
         &self,
-        step: &Step,
+        wavefront: &Wavefront,
         traversal: &mut Traversal,
     ) -> Vec<Vec3> {
-        if step.bounces_left == 0 {
-            return vec![ambient(self.scene); step.surfaces.len()];
+        if wavefront.bounces_left == 0 {
+            return vec![ambient(self.final_gather.scene()); wavefront.surfaces.len()];
         }
-        let gathers = |surface: &&Surface| surface.reflectance.gathers::<F>();
-        let surface = |number: usize| step.surfaces[number].as_ref().filter(gathers);
-        let count = step.surfaces.len();
-        let (mut numbers, mut points) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        for number in 0..count {
-            if let Some(Surface { point, .. }) = surface(number) {
-                numbers.push(number);
+        let has_diffuse = |surface: &&Surface| surface.reflectance.has_diffuse::<F>();
+        let surface = |index: usize| wavefront.surfaces[index].as_ref().filter(has_diffuse);
+        let count = wavefront.surfaces.len();
+        let (mut indices, mut points) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for index in 0..count {
+            if let Some(Surface { point, .. }) = surface(index) {
+                indices.push(index);
                 points.push((point.position, point.shading_normal));
             }
         }
-        let known = &self.illumination.visible[step.bounces_left as usize - 1];
-        let mut lights = vec![Vec3::ZERO; count];
-        let mut unknown = Vec::new();
-        for (number, light) in numbers
+        let primary = &self.cache.visible[wavefront.bounces_left as usize - 1];
+        let mut indirect = vec![Vec3::ZERO; count];
+        let mut missed = Vec::new();
+        for (index, light) in indices
             .into_iter()
-            .zip(known.lights(&points, self.scene.kernel()))
+            .zip(primary.lights(&points, self.final_gather.scene().kernel()))
         {
             match light {
-                Some(light) => lights[number] = light,
-                None => unknown.push(number),
+                Some(light) => indirect[index] = light,
+                None => missed.push(index),
             }
         }
-        let point = |&number: &usize| {
-            let sample = &self.samples[step.owners[number].0];
+        if missed.is_empty() {
+            return indirect;
+        }
+        let point = |&index: &usize| {
+            let sample = &self.samples[wavefront.samples[index]];
             Some(GatherPoint {
-                point: surface(number)?.point,
+                point: surface(index)?.point,
                 sequence: sample.sequence,
                 index: sample.index,
             })
         };
-        if unknown.is_empty() {
-            return lights;
-        }
-        let points: Vec<GatherPoint> = unknown.iter().filter_map(point).collect();
-        let gathered = gather_for::<F>(
-            self.scene,
+        let points: Vec<GatherPoint> = missed.iter().filter_map(point).collect();
+        let gathered = self.final_gather.gather_for::<F>(
             &points,
-            step.bounces_left,
-            UNKNOWN_PATHS,
-            Some(&self.illumination.secondary),
+            wavefront.bounces_left,
+            GATHER_PATHS,
+            Some(&self.cache.secondary),
             traversal,
         );
-        for (number, light) in unknown.into_iter().zip(gathered) {
-            lights[number] = light;
+        for (index, light) in missed.into_iter().zip(gathered) {
+            indirect[index] = light;
         }
-        lights
+        indirect
     }
 }

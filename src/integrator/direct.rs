@@ -1,3 +1,5 @@
+//! Direct light of all point lights at many surfaces at once.
+
 use crate::accel::Traversal;
 use crate::material::Features;
 use crate::math::Ray;
@@ -5,22 +7,22 @@ use crate::scene::{Scene, ShadowPacket, Surface, SurfacePointPacket};
 use crate::simd::PACKET_WIDTH;
 use glam::Vec3;
 
-/// A light that reaches a surface.
-pub(super) struct Lit {
-    /// The number of the surface.
-    pub(super) number: usize,
-    /// The number of the light.
+/// A light that illuminates a surface without occlusion.
+pub(super) struct LightContribution {
+    /// The surface's index.
+    pub(super) surface: usize,
+    /// The light's index.
     pub(super) light: usize,
-    /// How far away it is.
+    /// The distance between the two.
     pub(super) distance: f32,
-    /// The cosine of its angle to the surface's geometric normal.
+    /// The cosine between the direction to the light and the surface's geometric normal.
     pub(super) cosine: f32,
 }
 
-/// [`direct_of`] surfaces side by side: their shadow rays run so, too.
-pub(super) fn direct_of_neighbours<F: Features>(
+/// [`direct_lighting`] of surfaces side by side, whose shadow rays are coherent.
+pub(super) fn direct_lighting_coherent<F: Features>(
     scene: &Scene,
-    seen: &[Option<Surface>],
+    surfaces: &[Option<Surface>],
     rays: &[Ray],
     traversal: &mut Traversal,
 ) -> Vec<Vec3> {
@@ -28,41 +30,41 @@ pub(super) fn direct_of_neighbours<F: Features>(
         let of_packet = |shadow_packet| scene.occluded_coherent(shadow_packet, traversal);
         shadow_packets.iter().map(of_packet).collect()
     };
-    direct_of::<F>(scene, seen, rays, occluded, |_| {})
+    direct_lighting::<F>(scene, surfaces, rays, occluded, |_| {})
 }
 
-/// [`direct_of`] surfaces all over the scene.
-pub(super) fn direct_of_wave<F: Features>(
+/// [`direct_lighting`] of surfaces all over the scene.
+pub(super) fn direct_lighting_incoherent<F: Features>(
     scene: &Scene,
-    seen: &[Option<Surface>],
+    surfaces: &[Option<Surface>],
     rays: &[Ray],
     traversal: &mut Traversal,
-    reached: impl FnMut(&Lit),
+    on_contribution: impl FnMut(&LightContribution),
 ) -> Vec<Vec3> {
     let occluded =
         |shadow_packets: &[ShadowPacket]| scene.occluded_incoherent(shadow_packets, traversal);
-    direct_of::<F>(scene, seen, rays, occluded, reached)
+    direct_lighting::<F>(scene, surfaces, rays, occluded, on_contribution)
 }
 
-/// The light of all point lights that the surfaces, without their mirrors, send back along `rays`.
+/// The light of all point lights that the surfaces' base layers, without their mirrors, reflect against `rays`.
 ///
-/// A light behind a surface's shape or behind its shading normal does not reach it, and a surface that
-/// sends none of it back asks for none. All shadow rays of a light are asked for at once; `reached` is
-/// told of every light that reaches a surface.
-fn direct_of<F: Features>(
+/// A light behind a surface's geometric or shading normal does not reach it. Shadow rays are traced only from
+/// surfaces that reflect light, and all of one light together. `on_contribution` is called for every light
+/// that reaches a surface.
+fn direct_lighting<F: Features>(
     scene: &Scene,
-    seen: &[Option<Surface>],
+    surfaces: &[Option<Surface>],
     rays: &[Ray],
     mut occluded: impl FnMut(&[ShadowPacket]) -> Vec<u32>,
-    mut reached: impl FnMut(&Lit),
+    mut on_contribution: impl FnMut(&LightContribution),
 ) -> Vec<Vec3> {
-    let mut sums = vec![Vec3::ZERO; seen.len()];
-    let surfaces: Vec<(usize, &Surface)> = (0..)
-        .zip(seen)
-        .filter_map(|(number, surface)| Some((number, surface.as_ref()?)))
+    let mut sums = vec![Vec3::ZERO; surfaces.len()];
+    let reflecting: Vec<(usize, &Surface)> = (0..)
+        .zip(surfaces)
+        .filter_map(|(index, surface)| Some((index, surface.as_ref()?)))
         .filter(|(_, surface)| surface.reflectance.reflects_light::<F>())
         .collect();
-    let packets = surfaces.chunks(PACKET_WIDTH).map(|surfaces| {
+    let packets = reflecting.chunks(PACKET_WIDTH).map(|surfaces| {
         let mut points = SurfacePointPacket::default();
         for (_, surface) in surfaces {
             points.push(&surface.point);
@@ -71,7 +73,7 @@ fn direct_of<F: Features>(
     });
     let packets: Vec<SurfacePointPacket> = packets.collect();
     let mut shadow_packets = Vec::with_capacity(packets.len());
-    for (light_number, light) in scene.lights.iter().enumerate() {
+    for (light_index, light) in scene.lights.iter().enumerate() {
         shadow_packets.clear();
         shadow_packets.extend(
             packets
@@ -79,23 +81,23 @@ fn direct_of<F: Features>(
                 .map(|p| scene.shadow_rays_to(p, light.position)),
         );
         let is_occluded = occluded(&shadow_packets);
-        for ((surfaces, shadow_packet), occluded) in surfaces
+        let packets = reflecting
             .chunks(PACKET_WIDTH)
             .zip(&shadow_packets)
-            .zip(&is_occluded)
-        {
+            .zip(&is_occluded);
+        for ((surfaces, shadow_packet), occluded) in packets {
             for lane in shadow_packet.unoccluded(*occluded) {
-                let (number, surface) = surfaces[lane];
+                let (index, surface) = surfaces[lane];
                 let distance = shadow_packet.distance(lane);
                 let reflected = surface.reflectance.reflect_light::<F>(
                     surface.point.shading_normal,
                     shadow_packet.direction(lane),
-                    -rays[number].direction,
+                    -rays[index].direction,
                 );
-                sums[number] += reflected * light.color_at(distance * distance);
-                reached(&Lit {
-                    number,
-                    light: light_number,
+                sums[index] += reflected * light.color_at(distance * distance);
+                on_contribution(&LightContribution {
+                    surface: index,
+                    light: light_index,
                     distance,
                     cosine: shadow_packet.cosine(lane),
                 });

@@ -1,15 +1,19 @@
-//! How light reaches the camera along a ray.
+//! The radiance that reaches the camera along a ray: recursive ray tracing (Whitted 1980), path tracing (Kajiya
+//! 1986) and irradiance caching (Ward et al. 1988).
 //!
-//! A ray that leaves the scene returns the background; a path that has no bounces left returns the
-//! ambient light. Knows nothing of pixels, frames or time.
+//! An [`Integrator`] is built from plain [`IntegratorSettings`], a scene and, for cached light, an irradiance
+//! cache. A ray that leaves the scene returns the background; a path at its last bounce returns the ambient light.
+//! Knows nothing of pixels, frames or time.
 
 mod cached;
 mod direct;
-mod gather;
-mod monte_carlo;
-mod path;
-mod ray_tracing;
-mod seen;
+mod final_gather;
+mod light_sampler;
+mod path_state;
+mod path_tracer;
+mod settings;
+mod visible_points;
+mod whitted;
 
 use crate::accel::Traversal;
 use crate::geometry::Hit;
@@ -18,15 +22,20 @@ use crate::material::{FeatureSet, Features, mirror};
 use crate::math::Ray;
 use crate::sampling::Sequence;
 use crate::scene::{Scene, Surface};
-use direct::direct_of_neighbours;
+use cached::CachedIrradiance;
+use direct::direct_lighting_coherent;
 use glam::Vec3;
-use ray_tracing::Step;
-use std::sync::Arc;
+use path_tracer::PathTracer;
+use std::marker::PhantomData;
+use thiserror::Error;
+use whitted::Wavefront;
 
-pub use gather::{GatherPoint, gather};
-pub use seen::{Seen, seen};
+pub use final_gather::{FinalGather, GatherPoint};
+pub use light_sampler::LightSampler;
+pub use settings::IntegratorSettings;
+pub use visible_points::{VisiblePoint, visible_points};
 
-/// A function for each set of features, by its number.
+/// An array of a generic function's instances, one for each set of features, by [`FeatureSet::number`].
 macro_rules! for_each_feature_set {
     ($($function:tt)+) => {{
         use crate::material::Only;
@@ -52,98 +61,188 @@ macro_rules! for_each_feature_set {
 }
 use for_each_feature_set;
 
-/// A way to work out the light along a camera ray.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Integrator {
-    /// Direct light, ambient light and mirrors (Whitted 1980). Uses no random numbers.
-    RayTracing {
-        /// How often a ray may be reflected.
+/// Computes the radiance along camera rays of one scene.
+///
+/// Building one may trace rays to find the lights that guide paths: build it once for a sequence.
+#[derive(Clone, Debug)]
+pub struct Integrator<'a> {
+    scene: &'a Scene,
+    method: Method<'a>,
+}
+
+#[derive(Clone, Debug)]
+enum Method<'a> {
+    Whitted {
         bounces: u32,
     },
-    /// Light gathered over the hemisphere in place of the ambient term (Kajiya 1986).
-    MonteCarlo {
-        /// How many bounces are counted, diffuse and mirror alike; 0 is direct light only.
+    PathTraced {
         bounces: u32,
-        /// How many paths go on from each diffuse bounce, the first first; 1 beyond the list.
         splits: Vec<u32>,
+        light_sampler: LightSampler<'a>,
     },
-    /// The same, with what is gathered at the surfaces that the camera sees, itself and in mirrors, looked up.
     Cached {
-        /// Of the scene. It knows how many bounces are counted.
-        illumination: Arc<IrradianceCache>,
+        cache: &'a IrradianceCache,
+        final_gather: FinalGather<'a>,
     },
 }
 
-/// A ray from the camera and its random numbers; pair 0 of them is the camera's own.
+/// Why settings and irradiance cache make no integrator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum IntegratorError {
+    /// The settings need an irradiance cache, and there is none.
+    #[error(
+        "the integrator is cached, but there is no irradiance cache: bake one, or use path tracing"
+    )]
+    MissingCache,
+    /// The cache has the light of paths of another length.
+    #[error(
+        "the irradiance cache is of {cache} bounces, the integrator of {settings}: bake another one"
+    )]
+    OtherBounces {
+        /// Bounces of the cache.
+        cache: u32,
+        /// Bounces of the settings.
+        settings: u32,
+    },
+}
+
+/// A camera ray and its random numbers. Pair 0 of these is the camera's own.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraSample {
-    /// Of unit direction.
+    /// The ray, of unit direction.
     pub ray: Ray,
-    /// The numbers of its film position.
+    /// The random numbers of its film position.
     pub sequence: Sequence,
-    /// Which of them.
+    /// Sample index within `sequence`.
     pub index: u32,
 }
 
-impl Integrator {
-    /// How many bounces are counted.
-    pub fn bounces(&self) -> u32 {
-        match self {
-            Integrator::RayTracing { bounces } | Integrator::MonteCarlo { bounces, .. } => *bounces,
-            Integrator::Cached { illumination } => illumination.bounces(),
+impl<'a> Integrator<'a> {
+    /// The integrator of the settings. `cache` is the scene's irradiance cache; only cached light needs it, others
+    /// ignore it.
+    pub fn new(
+        scene: &'a Scene,
+        settings: &IntegratorSettings,
+        cache: Option<&'a IrradianceCache>,
+    ) -> Result<Integrator<'a>, IntegratorError> {
+        let method = match settings {
+            IntegratorSettings::Whitted { bounces } => Method::Whitted { bounces: *bounces },
+            IntegratorSettings::PathTraced { bounces, splits } => Method::PathTraced {
+                bounces: *bounces,
+                splits: splits.clone(),
+                light_sampler: LightSampler::new(scene),
+            },
+            IntegratorSettings::Cached { bounces } => {
+                let cache = cache.ok_or(IntegratorError::MissingCache)?;
+                if cache.bounces() != *bounces {
+                    return Err(IntegratorError::OtherBounces {
+                        cache: cache.bounces(),
+                        settings: *bounces,
+                    });
+                }
+                Method::Cached {
+                    cache,
+                    final_gather: FinalGather::new(scene),
+                }
+            }
+        };
+        Ok(Integrator { scene, method })
+    }
+
+    /// The scene whose light it computes.
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    /// How many paths continue from each diffuse bounce, the first bounce first; none unless light is path traced.
+    pub(crate) fn splits(&self) -> &[u32] {
+        match &self.method {
+            Method::PathTraced { splits, .. } => splits,
+            Method::Whitted { .. } | Method::Cached { .. } => &[],
         }
     }
 
-    /// The radiance that arrives along each of the camera rays. Each gets what it would get alone;
-    /// together they are faster if they run side by side.
-    pub fn radiance(
-        &self,
-        scene: &Scene,
-        samples: &[CameraSample],
-        traversal: &mut Traversal,
-        radiance: &mut [Vec3],
-    ) {
-        let for_features = RADIANCE[scene.features().number()];
-        for_features(self, scene, samples, traversal, radiance);
+    /// The same integrator with half of the paths, rounded up, from the first diffuse bounce. Itself if it does not
+    /// split.
+    pub(crate) fn with_half_the_paths(mut self) -> Integrator<'a> {
+        if let Method::PathTraced { splits, .. } = &mut self.method
+            && let Some(first) = splits.first_mut()
+        {
+            *first = first.div_ceil(2);
+        }
+        self
     }
 
-    fn radiance_for<F: Features>(
+    /// The radiance along each of the camera rays. The result of a ray does not depend on the others; coherent rays
+    /// are faster.
+    pub fn radiance(
         &self,
-        scene: &Scene,
         samples: &[CameraSample],
         traversal: &mut Traversal,
         radiance: &mut [Vec3],
     ) {
-        let rays: Vec<Ray> = samples.iter().map(|sample| sample.ray).collect();
-        let surfaces = surfaces_of_neighbours::<F>(scene, &rays, traversal);
-        let lit = direct_of_neighbours::<F>(scene, &surfaces, &rays, traversal);
-        match self {
-            Integrator::RayTracing { bounces } => {
-                let ambient = ambient(scene);
-                let indirect = |step: &Step, _: &mut Traversal| vec![ambient; step.surfaces.len()];
-                let first = Step::first(rays, surfaces, lit, *bounces);
-                ray_tracing::radiance::<F>(scene, first, indirect, traversal, radiance);
-            }
-            Integrator::Cached { illumination } => {
-                let cached = cached::Cached {
-                    scene,
-                    illumination,
-                    samples,
-                };
-                let indirect =
-                    |step: &Step, traversal: &mut Traversal| cached.indirect::<F>(step, traversal);
-                let first = Step::first(rays, surfaces, lit, illumination.bounces());
-                ray_tracing::radiance::<F>(scene, first, indirect, traversal, radiance);
-            }
-            Integrator::MonteCarlo { bounces, splits } => monte_carlo::radiance::<F>(
-                scene, samples, &surfaces, &lit, *bounces, splits, traversal, radiance,
-            ),
+        RADIANCE[self.scene.features().number()](self, samples, traversal, radiance);
+    }
+}
+
+type RadianceFor = fn(&Integrator, &[CameraSample], &mut Traversal, &mut [Vec3]);
+
+/// [`Integrator::radiance`] for each set of features.
+static RADIANCE: [RadianceFor; FeatureSet::COUNT] = for_each_feature_set!(radiance_for);
+
+fn radiance_for<F: Features>(
+    integrator: &Integrator,
+    samples: &[CameraSample],
+    traversal: &mut Traversal,
+    radiance: &mut [Vec3],
+) {
+    let scene = integrator.scene;
+    let rays: Vec<Ray> = samples.iter().map(|sample| sample.ray).collect();
+    let surfaces = coherent_surfaces::<F>(scene, &rays, traversal);
+    let direct = direct_lighting_coherent::<F>(scene, &surfaces, &rays, traversal);
+    match &integrator.method {
+        Method::Whitted { bounces } => {
+            let ambient = ambient(scene);
+            let indirect =
+                |wavefront: &Wavefront, _: &mut Traversal| vec![ambient; wavefront.surfaces.len()];
+            let first = Wavefront::of_camera(rays, surfaces, direct, *bounces);
+            whitted::radiance::<F>(scene, first, indirect, traversal, radiance);
+        }
+        Method::Cached {
+            cache,
+            final_gather,
+        } => {
+            let cached = CachedIrradiance {
+                cache,
+                final_gather,
+                samples,
+            };
+            let indirect = |wavefront: &Wavefront, traversal: &mut Traversal| {
+                cached.indirect::<F>(wavefront, traversal)
+            };
+            let first = Wavefront::of_camera(rays, surfaces, direct, cache.bounces());
+            whitted::radiance::<F>(scene, first, indirect, traversal, radiance);
+        }
+        Method::PathTraced {
+            bounces,
+            splits,
+            light_sampler,
+        } => {
+            let mut path_tracer = PathTracer::<F> {
+                light_sampler,
+                bounces: *bounces,
+                splits,
+                cache: None,
+                traversal,
+                features: PhantomData,
+            };
+            path_tracer.camera_radiance(samples, &surfaces, &direct, radiance);
         }
     }
 }
 
-/// What each of some rays that run side by side sees.
-fn surfaces_of_neighbours<F: Features>(
+/// The surface that each of some coherent rays hits.
+fn coherent_surfaces<F: Features>(
     scene: &Scene,
     rays: &[Ray],
     traversal: &mut Traversal,
@@ -153,7 +252,7 @@ fn surfaces_of_neighbours<F: Features>(
     surfaces::<F>(scene, rays, &hits)
 }
 
-/// What each ray sees where it hits.
+/// The surface at each ray's hit.
 fn surfaces<F: Features>(
     scene: &Scene,
     rays: &[Ray],
@@ -164,22 +263,17 @@ fn surfaces<F: Features>(
     rays.iter().zip(hits).map(surface).collect()
 }
 
-type RadianceFor = fn(&Integrator, &Scene, &[CameraSample], &mut Traversal, &mut [Vec3]);
-
-/// [`Integrator::radiance`] for each set of features.
-static RADIANCE: [RadianceFor; FeatureSet::COUNT] = for_each_feature_set!(Integrator::radiance_for);
-
-/// The scene's ambient light where nothing better is known.
+/// The ambient light that stands for all bounces that are not computed.
 fn ambient(scene: &Scene) -> Vec3 {
-    const SHARE: f32 = 0.3;
-    SHARE * scene.ambient
+    const FRACTION: f32 = 0.3;
+    FRACTION * scene.ambient
 }
 
-/// The ray that a mirror at the surface sees in place of `ray`.
+/// The mirror reflection of `ray` at the surface.
 fn reflect(surface: &Surface, ray: &Ray) -> Ray {
     let viewer = -ray.direction;
     let reflected = mirror(viewer, surface.point.shading_normal);
-    // An interpolated normal may send it into the surface; the shape's own never does.
+    // An interpolated normal may reflect into the surface; the geometric normal never does.
     let reflected = if reflected.dot(surface.point.geometric_normal) > 0.0 {
         reflected
     } else {

@@ -50,12 +50,3 @@ impl IrradianceCache {
         visible.sum::<usize>() + self.secondary.memory()
     }
 }
-
-/// The same light is the same only if it is one: a bake is not repeated to be compared.
-impl PartialEq for IrradianceCache {
-    fn eq(&self, other: &IrradianceCache) -> bool {
-        std::ptr::eq(self, other)
-    }
-}
-
-impl Eq for IrradianceCache {}

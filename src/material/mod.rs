@@ -89,19 +89,19 @@ impl Reflectance {
     /// Whether any light of a lamp is sent back but by the mirror.
     #[inline]
     pub fn reflects_light<F: Features>(&self) -> bool {
-        self.own::<F>() != Vec3::ZERO
+        self.base_weight::<F>() != Vec3::ZERO
             && (self.diffuse != Vec3::ZERO || F::HIGHLIGHTS && self.specular != Vec3::ZERO)
     }
 
     /// Whether it makes anything of the light that arrives from its hemisphere.
     #[inline]
-    pub fn gathers<F: Features>(&self) -> bool {
-        self.own::<F>() * self.diffuse != Vec3::ZERO
+    pub fn has_diffuse<F: Features>(&self) -> bool {
+        self.base_weight::<F>() * self.diffuse != Vec3::ZERO
     }
 
     /// The share of the light that is not a mirror's.
     #[inline]
-    pub fn own<F: Features>(&self) -> Vec3 {
+    pub fn base_weight<F: Features>(&self) -> Vec3 {
         Vec3::ONE - self.mirror::<F>()
     }
 

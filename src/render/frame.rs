@@ -1,12 +1,11 @@
-use super::allocation::Allocation;
+use super::adaptive::SampleAllocation;
+use super::error_estimate::{ErrorEstimate, RelativeDeviations};
 use super::grid::{Grid, average_corners};
-use super::noise::{ErrorEstimate, RelativeDeviations};
-use super::samples::{Estimates, Sampler};
-use super::watch::{Unwatched, Watch};
-use super::{PixelSampling, RenderSettings};
+use super::observer::{FrameObserver, NoObserver};
+use super::sampler::{Estimates, Sampler};
+use super::{PixelSampling, RenderSettings, Renderer};
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::scene::Scene;
 use glam::Vec3;
 
 /// A frame and what it took.
@@ -55,82 +54,80 @@ pub fn frame_memory(settings: &RenderSettings) -> [u64; 2] {
     bytes.map(|bytes| bytes * Grid::of(settings).len() as u64)
 }
 
-/// Renders frame number `frame` through `camera` on the threads of the current pool.
-pub fn render_frame(
-    scene: &Scene,
-    camera: &Camera,
-    settings: &RenderSettings,
-    frame: u32,
-) -> RenderedFrame {
-    let rendered = render_watched(scene, camera, settings, frame, &Unwatched);
-    rendered.expect("nobody stops it")
-}
-
-/// The same under the eyes of `watch`; none if that stops it.
-pub(super) fn render_watched(
-    scene: &Scene,
-    camera: &Camera,
-    settings: &RenderSettings,
-    frame: u32,
-    watch: &dyn Watch,
-) -> Option<RenderedFrame> {
-    let grid = Grid::of(settings);
-    let sampler = Sampler::new(scene, camera, settings, frame);
-    let mut estimates = Estimates::new(grid, &sampler);
-    estimates.refine(grid, &sampler, |_| 1, watch);
-    if watch.is_stopped() {
-        return None;
+impl Renderer<'_> {
+    /// Renders frame number `frame` through `camera`, on the threads of the current pool.
+    pub fn render_frame(&self, camera: &Camera, frame: u32) -> RenderedFrame {
+        let rendered = self.render_observed(camera, frame, &NoObserver);
+        rendered.expect("it is never stopped")
     }
-    let light_error = settings.cache_errors.get(frame as usize).copied();
-    if sampler.halves == 1 {
-        let film = develop(settings, estimates.values);
-        return Some(RenderedFrame {
+
+    /// As [`Renderer::render_frame`], with an observer; none if that stops it.
+    pub(super) fn render_observed(
+        &self,
+        camera: &Camera,
+        frame: u32,
+        observer: &dyn FrameObserver,
+    ) -> Option<RenderedFrame> {
+        let settings = &self.settings;
+        let grid = Grid::of(settings);
+        let sampler = Sampler::new(self, camera, frame);
+        let mut estimates = Estimates::new(grid, &sampler);
+        estimates.refine(grid, &sampler, |_| 1, observer);
+        if observer.is_stopped() {
+            return None;
+        }
+        let cache_error = self.cache_errors.get(frame as usize).copied();
+        if sampler.halves == 1 {
+            let film = develop(settings, estimates.values);
+            return Some(RenderedFrame {
+                film,
+                deviation: None,
+                error: cache_error,
+                rays: estimates.rays,
+                non_finite_samples: estimates.non_finite,
+            });
+        }
+        let mut developed = develop_halves(settings, &estimates);
+        if let Some(target) = settings.target_error {
+            let [values, deviations] = combine(&estimates);
+            let width = grid.width as usize;
+            let allocation =
+                SampleAllocation::new(&values, &deviations, width, settings.display_white);
+            let target = target_of_noise(target, cache_error);
+            while let Some(fraction) = fraction_to_go(&developed.2, target) {
+                let wanted = allocation.passes(&estimates.passes, fraction, sampler.most_passes());
+                if wanted == estimates.passes {
+                    break;
+                }
+                estimates.refine(grid, &sampler, |number| wanted[number], observer);
+                if observer.is_stopped() {
+                    return None;
+                }
+                developed = develop_halves(settings, &estimates);
+            }
+        }
+        let (film, deviation, noise) = developed;
+        Some(RenderedFrame {
             film,
-            deviation: None,
-            error: light_error,
+            deviation: Some(deviation),
+            error: Some(cache_error.map_or(noise, |cache| cache.plus(noise))),
             rays: estimates.rays,
             non_finite_samples: estimates.non_finite,
-        });
+        })
     }
-    let mut developed = develop_halves(settings, &estimates);
-    if let Some(target) = settings.target_error {
-        let [values, deviations] = combine(&estimates);
-        let width = grid.width as usize;
-        let allocation = Allocation::new(&values, &deviations, width, settings.white);
-        let target = target_of_noise(target, light_error);
-        while let Some(share) = share_to_go(&developed.2, target) {
-            let wanted = allocation.passes(&estimates.passes, share, sampler.most_passes());
-            if wanted == estimates.passes {
-                break;
-            }
-            estimates.refine(grid, &sampler, |number| wanted[number], watch);
-            if watch.is_stopped() {
-                return None;
-            }
-            developed = develop_halves(settings, &estimates);
-        }
-    }
-    let (film, deviation, noise) = developed;
-    Some(RenderedFrame {
-        film,
-        deviation: Some(deviation),
-        error: Some(light_error.map_or(noise, |light| light.plus(noise))),
-        rays: estimates.rays,
-        non_finite_samples: estimates.non_finite,
-    })
 }
 
 /// What is left of a target error by the light that is looked up: half of it at least, as no samples make good
 /// what the light takes beyond its half.
-fn target_of_noise(target: f64, light_error: Option<ErrorEstimate>) -> f64 {
-    let of_light = light_error.map_or(0.0, |light| light.interval()[1]);
-    (target - of_light).max(0.5 * target)
+fn target_of_noise(target: f64, cache_error: Option<ErrorEstimate>) -> f64 {
+    let of_cache = cache_error.map_or(0.0, |cache| cache.interval()[1]);
+    (target - of_cache).max(0.5 * target)
 }
 
 /// What share of its error should be left of a frame by its next samples; none if it is good enough.
 ///
 /// The decision is one for all pixels, each of which has next to no part in it.
-fn share_to_go(error: &ErrorEstimate, target: f64) -> Option<f64> {
+fn fraction_to_go(error: &ErrorEstimate, target: f64) -> Option<f64> {
     /// Errors fall faster than as 1 / n: larger steps would overshoot.
     const LEAST: f64 = 0.25;
     let [_, upper] = error.interval();
@@ -153,7 +150,7 @@ fn develop_halves(settings: &RenderSettings, estimates: &Estimates) -> (Film, Fi
         film.pixels(),
         deviation.pixels(),
         settings.width as usize,
-        settings.white,
+        settings.display_white,
         settings.sampling == PixelSampling::Corners,
     );
     let noise = ErrorEstimate::of(&deviations);

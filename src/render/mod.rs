@@ -1,28 +1,27 @@
-//! Frames and sequences of frames: which samples a pixel takes, who works on what, and how noise moves
-//! from frame to frame.
+//! Frames and sequences of frames: which samples a pixel takes, how frames are scheduled, how noise is estimated and
+//! how it moves from frame to frame.
 //!
-//! A frame is a pure function of (scene, camera, settings, frame number): the same bytes for any
+//! A frame is a pure function of (scene, camera, settings, irradiance cache, frame number): the same bits for any
 //! number of threads. Knows nothing of file formats, folders or terminals.
 
-mod allocation;
-mod cache_errors;
+mod adaptive;
+mod error_estimate;
 mod flicker;
 mod frame;
 mod grid;
-mod noise;
+mod observer;
 mod pixels;
+mod renderer;
 mod reprojection;
-mod samples;
+mod sampler;
 mod sequence;
 mod settings;
-mod watch;
 
-pub use cache_errors::cache_errors;
+pub use error_estimate::ErrorEstimate;
 pub use flicker::Flicker;
-pub use frame::{RenderedFrame, frame_memory, render_frame, tile_count};
-pub use noise::ErrorEstimate;
-pub use pixels::render_pixels;
+pub use frame::{RenderedFrame, frame_memory, tile_count};
+pub use observer::{FrameObserver, NoObserver, SequenceObserver};
+pub use renderer::Renderer;
 pub use reprojection::{Match, Reprojection, TILE};
-pub use sequence::{Claim, EncodedFrame, FrameSink, Observer, Outcome, SinkError, render_sequence};
+pub use sequence::{Claim, EncodedFrame, FrameSink, Outcome, SinkError};
 pub use settings::{PixelSampling, RenderSettings};
-pub use watch::{Unwatched, Watch};

@@ -1,42 +1,44 @@
-use super::samples::{Sampler, Work};
-use super::{PixelSampling, RenderSettings};
+//! Single pixels of a frame.
+
+use super::sampler::{Sampler, Work};
+use super::{PixelSampling, Renderer};
 use crate::camera::Camera;
-use crate::scene::Scene;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// So many pixels are worked out together.
+/// Pixels that are rendered together.
 const CHUNK: usize = 64;
 
-/// The two halves of some pixels of a frame, columns and rows given, as [`render_frame`](super::render_frame)
-/// makes them of its first samples; where nothing is left to chance they are the same.
-pub fn render_pixels(
-    scene: &Scene,
-    camera: &Camera,
-    settings: &RenderSettings,
-    frame: u32,
-    pixels: &[(u32, u32)],
-) -> Vec<[Vec3; 2]> {
-    let sampler = Sampler::new(scene, camera, settings, frame);
-    let corners: &[(u32, u32)] = match settings.sampling {
-        PixelSampling::Corners => &[(0, 0), (1, 0), (0, 1), (1, 1)],
-        PixelSampling::Center | PixelSampling::Spread(_) => &[(0, 0)],
-    };
-    let of_chunk = |pixels: &[(u32, u32)]| -> Vec<[Vec3; 2]> {
-        let points = pixels
-            .iter()
-            .flat_map(|(x, y)| corners.iter().map(move |(dx, dy)| (x + dx, y + dy)));
-        let points: Vec<(u32, u32)> = points.collect();
-        let means = sampler.means(&points, |_| (0, 1), &mut Work::default());
-        let of_pixel = |means: &[Vec3]| {
-            let half = |half: usize| {
-                let values = means.iter().skip(half).step_by(sampler.halves);
-                values.sum::<Vec3>() / corners.len() as f32
-            };
-            [half(0), half(sampler.halves - 1)]
+impl Renderer<'_> {
+    /// The A and B half buffers at some pixels of a frame, columns and rows given: what [`Renderer::render_frame`]
+    /// makes of its first samples. Both are equal where there is no noise.
+    pub fn render_pixels(
+        &self,
+        camera: &Camera,
+        frame: u32,
+        pixels: &[(u32, u32)],
+    ) -> Vec<[Vec3; 2]> {
+        let sampler = Sampler::new(self, camera, frame);
+        let corners: &[(u32, u32)] = match self.settings.sampling {
+            PixelSampling::Corners => &[(0, 0), (1, 0), (0, 1), (1, 1)],
+            PixelSampling::Center | PixelSampling::Spread(_) => &[(0, 0)],
         };
-        let means = means.chunks(corners.len() * sampler.halves);
-        means.map(of_pixel).collect()
-    };
-    pixels.par_chunks(CHUNK).flat_map_iter(of_chunk).collect()
+        let of_chunk = |pixels: &[(u32, u32)]| -> Vec<[Vec3; 2]> {
+            let points = pixels
+                .iter()
+                .flat_map(|(x, y)| corners.iter().map(move |(dx, dy)| (x + dx, y + dy)));
+            let points: Vec<(u32, u32)> = points.collect();
+            let means = sampler.means(&points, |_| (0, 1), &mut Work::default());
+            let of_pixel = |means: &[Vec3]| {
+                let half = |half: usize| {
+                    let values = means.iter().skip(half).step_by(sampler.halves);
+                    values.sum::<Vec3>() / corners.len() as f32
+                };
+                [half(0), half(sampler.halves - 1)]
+            };
+            let means = means.chunks(corners.len() * sampler.halves);
+            means.map(of_pixel).collect()
+        };
+        pixels.par_chunks(CHUNK).flat_map_iter(of_chunk).collect()
+    }
 }

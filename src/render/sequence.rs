@@ -1,9 +1,10 @@
-use super::frame::{RenderedFrame, render_watched};
-use super::noise::ErrorEstimate;
-use super::settings::RenderSettings;
-use super::watch::{Unwatched, Watch};
+//! Sequences: renders the frames of a camera path and hands them to a sink.
+
+use super::error_estimate::ErrorEstimate;
+use super::frame::RenderedFrame;
+use super::observer::{FrameObserver, SequenceObserver};
+use super::renderer::Renderer;
 use crate::camera::CameraPath;
-use crate::scene::Scene;
 use std::any::Any;
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,25 +21,24 @@ pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
 /// Takes finished frames, from several threads and in no fixed order.
 pub trait FrameSink: Sync {
     /// The right to keep a frame; given up if it is dropped.
-    type Place: Send;
+    type Slot: Send;
 
     /// Asked right before a frame is rendered: others may be at work on the same frames. Where `insists`, it
     /// does not matter whether others are at work on this one.
-    fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Self::Place>, SinkError>;
+    fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Self::Slot>, SinkError>;
 
     /// What to keep of a frame. Is called on a thread of the pool: it may compute, not wait.
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError>;
 
     /// Keeps a frame for good, or says why it could not. May wait for a disk.
-    fn keep(&self, frame: u32, place: Self::Place, encoded: &EncodedFrame)
-    -> Result<(), SinkError>;
+    fn keep(&self, frame: u32, slot: Self::Slot, encoded: &EncodedFrame) -> Result<(), SinkError>;
 }
 
 /// Whether to render a frame.
 #[derive(Debug)]
-pub enum Claim<Place> {
+pub enum Claim<Slot> {
     /// Nobody else does.
-    Granted(Place),
+    Granted(Slot),
     /// Somebody else is at work on it.
     Busy,
     /// Somebody else has kept it.
@@ -59,24 +59,6 @@ impl EncodedFrame {
     pub fn bytes(&self) -> usize {
         self.picture.len() + self.error_map.as_ref().map_or(0, Vec::len)
     }
-}
-
-/// Is told how the work goes on, from several threads, and may stop it.
-pub trait Observer: Watch {
-    /// A frame is rendered and kept.
-    fn frame_kept(&self, frame: u32);
-    /// A frame is not rendered: somebody else has, or it could not be kept.
-    fn frame_skipped(&self, frame: u32);
-    /// A frame is not there, before or after it was rendered.
-    fn frame_failed(&self, frame: u32, error: &SinkError);
-}
-
-impl Observer for Unwatched {
-    fn frame_kept(&self, _: u32) {}
-
-    fn frame_skipped(&self, _: u32) {}
-
-    fn frame_failed(&self, _: u32, _: &SinkError) {}
 }
 
 /// How a sequence went.
@@ -100,63 +82,62 @@ pub struct Outcome {
     pub errors: Vec<(u32, ErrorEstimate)>,
 }
 
-/// Renders the numbered frames of a camera path, in the order given, each on all threads of the
-/// pool, and hands them to `sink`. A frame that fails, be it by a panic, does not stop the others. Frames that
-/// others are at work on come last, and are rendered then if they still are not there: nobody is waited for.
-pub fn render_sequence<Sink: FrameSink>(
-    scene: &Scene,
-    path: &CameraPath,
-    settings: &RenderSettings,
-    frames: &[u32],
-    pool: &rayon::ThreadPool,
-    sink: &Sink,
-    observer: &dyn Observer,
-) -> Outcome {
-    let run = Run {
-        scene,
-        path,
-        settings,
-        pool,
-        sink,
-        observer,
-        queue: Mutex::new(frames.iter().map(|&frame| (frame, false)).collect()),
-        outcome: Mutex::default(),
-    };
-    // The drivers wait outside the pool, so that no pool thread can be caught running one frame
-    // inside another and hold it back.
-    thread::scope(|scope| {
-        for _ in 0..FRAMES_IN_FLIGHT {
-            scope.spawn(|| run.drive());
-        }
-    });
-    let mut outcome = run.outcome.into_inner().expect("no holder panics");
-    outcome.failures.sort_by_key(|(frame, _)| *frame);
-    outcome.errors.sort_by_key(|(frame, _)| *frame);
-    outcome
+impl Renderer<'_> {
+    /// Renders the numbered frames of a camera path, in the order given, each on all threads of the pool, and hands
+    /// them to `sink`. A frame that fails, be it by a panic, does not stop the others. Frames that other processes
+    /// are rendering come last, and are rendered then if they are still missing: no process is waited for.
+    pub fn render_sequence<Sink: FrameSink>(
+        &self,
+        path: &CameraPath,
+        frames: &[u32],
+        pool: &rayon::ThreadPool,
+        sink: &Sink,
+        observer: &dyn SequenceObserver,
+    ) -> Outcome {
+        let run = Run {
+            renderer: self,
+            path,
+            pool,
+            sink,
+            observer,
+            queue: Mutex::new(frames.iter().map(|&frame| (frame, false)).collect()),
+            outcome: Mutex::default(),
+        };
+        // The drivers wait outside the pool, so that no pool thread can be caught running one frame
+        // inside another and hold it back.
+        thread::scope(|scope| {
+            for _ in 0..FRAMES_IN_FLIGHT {
+                scope.spawn(|| run.drive());
+            }
+        });
+        let mut outcome = run.outcome.into_inner().expect("no holder panics");
+        outcome.failures.sort_by_key(|(frame, _)| *frame);
+        outcome.errors.sort_by_key(|(frame, _)| *frame);
+        outcome
+    }
 }
 
 struct Run<'a, Sink> {
-    scene: &'a Scene,
+    renderer: &'a Renderer<'a>,
     path: &'a CameraPath,
-    settings: &'a RenderSettings,
     pool: &'a rayon::ThreadPool,
     sink: &'a Sink,
-    observer: &'a dyn Observer,
+    observer: &'a dyn SequenceObserver,
     /// Frames to do, and whether to insist on them.
     queue: Mutex<VecDeque<(u32, bool)>>,
     outcome: Mutex<Outcome>,
 }
 
 /// What became of a frame.
-enum Fate {
-    Kept(Counted),
+enum FrameOutcome {
+    Kept(FrameStats),
     KeptByOthers,
     Busy,
     Stopped,
 }
 
 /// What a frame adds to the outcome.
-struct Counted {
+struct FrameStats {
     rays: u64,
     bytes: u64,
     non_finite_samples: u64,
@@ -166,26 +147,26 @@ struct Counted {
 impl<Sink: FrameSink> Run<'_, Sink> {
     fn drive(&self) {
         while let Some((frame, insists)) = self.next() {
-            let fate = self.render(frame, insists);
-            match &fate {
-                Ok(Fate::Kept(_)) => self.observer.frame_kept(frame),
+            let outcome_of_frame = self.render(frame, insists);
+            match &outcome_of_frame {
+                Ok(FrameOutcome::Kept(_)) => self.observer.frame_kept(frame),
                 Ok(_) => {}
                 Err(error) => self.observer.frame_failed(frame, error),
             }
             let mut outcome = self.outcome.lock().expect("no holder panics");
-            match fate {
-                Ok(Fate::Kept(counted)) => {
+            match outcome_of_frame {
+                Ok(FrameOutcome::Kept(stats)) => {
                     outcome.kept += 1;
-                    outcome.rays += counted.rays;
-                    outcome.bytes += counted.bytes;
-                    outcome.non_finite_samples += counted.non_finite_samples;
+                    outcome.rays += stats.rays;
+                    outcome.bytes += stats.bytes;
+                    outcome.non_finite_samples += stats.non_finite_samples;
                     outcome
                         .errors
-                        .extend(counted.error.map(|error| (frame, error)));
+                        .extend(stats.error.map(|error| (frame, error)));
                 }
-                Ok(Fate::KeptByOthers) => outcome.kept_by_others += 1,
-                Ok(Fate::Busy) => self.queue().push_back((frame, true)),
-                Ok(Fate::Stopped) => outcome.stopped = true,
+                Ok(FrameOutcome::KeptByOthers) => outcome.kept_by_others += 1,
+                Ok(FrameOutcome::Busy) => self.queue().push_back((frame, true)),
+                Ok(FrameOutcome::Stopped) => outcome.stopped = true,
                 Err(error) => outcome.failures.push((frame, error)),
             }
         }
@@ -199,44 +180,44 @@ impl<Sink: FrameSink> Run<'_, Sink> {
         self.queue().pop_front()
     }
 
-    fn render(&self, frame: u32, insists: bool) -> Result<Fate, SinkError> {
+    fn render(&self, frame: u32, insists: bool) -> Result<FrameOutcome, SinkError> {
         if self.observer.is_stopped() {
-            return Ok(Fate::Stopped);
+            return Ok(FrameOutcome::Stopped);
         }
         let claim = self.sink.claim(frame, insists);
         if matches!(claim, Ok(Claim::Kept) | Err(_)) {
             self.observer.frame_skipped(frame);
         }
-        let place = match claim? {
-            Claim::Granted(place) => place,
-            Claim::Busy => return Ok(Fate::Busy),
-            Claim::Kept => return Ok(Fate::KeptByOthers),
+        let slot = match claim? {
+            Claim::Granted(slot) => slot,
+            Claim::Busy => return Ok(FrameOutcome::Busy),
+            Claim::Kept => return Ok(FrameOutcome::KeptByOthers),
         };
         let work = || self.pool.install(|| self.encoded(frame));
         // Nothing of a frame outlives its panic.
-        let Some((encoded, mut counted)) = catch_unwind(AssertUnwindSafe(work))
+        let Some((encoded, mut stats)) = catch_unwind(AssertUnwindSafe(work))
             .map_err(|panic| format!("the renderer panicked: {}", message(&*panic)))?
         else {
-            return Ok(Fate::Stopped);
+            return Ok(FrameOutcome::Stopped);
         };
         let encoded = encoded?;
-        counted.bytes = encoded.bytes() as u64;
-        self.sink.keep(frame, place, &encoded)?;
-        Ok(Fate::Kept(counted))
+        stats.bytes = encoded.bytes() as u64;
+        self.sink.keep(frame, slot, &encoded)?;
+        Ok(FrameOutcome::Kept(stats))
     }
 
     /// A frame as the sink keeps it; none if the work is stopped.
-    fn encoded(&self, frame: u32) -> Option<(Result<EncodedFrame, SinkError>, Counted)> {
+    fn encoded(&self, frame: u32) -> Option<(Result<EncodedFrame, SinkError>, FrameStats)> {
         let camera = self.path.camera(frame);
-        let watch: &dyn Watch = self.observer;
-        let rendered = render_watched(self.scene, &camera, self.settings, frame, watch)?;
-        let counted = Counted {
+        let observer: &dyn FrameObserver = self.observer;
+        let rendered = self.renderer.render_observed(&camera, frame, observer)?;
+        let stats = FrameStats {
             rays: rendered.rays,
             bytes: 0,
             non_finite_samples: rendered.non_finite_samples,
             error: rendered.error,
         };
-        Some((self.sink.encode(frame, rendered), counted))
+        Some((self.sink.encode(frame, rendered), stats))
     }
 }
 
@@ -251,7 +232,8 @@ fn message(panic: &(dyn Any + Send)) -> &str {
 mod tests {
     use super::*;
     use crate::camera::{Keyframe, Orientation, Pace, Segment, Shape};
-    use crate::integrator::Integrator;
+    use crate::integrator::IntegratorSettings;
+    use crate::render::RenderSettings;
     use crate::scene::SceneBuilder;
     use glam::DVec3;
     use std::sync::atomic::{AtomicBool, Ordering};
@@ -270,7 +252,7 @@ mod tests {
     const IS_KEPT: u32 = 2;
 
     impl FrameSink for Sink {
-        type Place = ();
+        type Slot = ();
 
         fn claim(&self, frame: u32, insists: bool) -> Result<Claim<()>, SinkError> {
             self.claims.lock().expect("whole").push((frame, insists));
@@ -313,7 +295,7 @@ mod tests {
         }
     }
 
-    impl Watch for Notes {
+    impl FrameObserver for Notes {
         fn tile_done(&self, _: u64) {}
 
         fn is_stopped(&self) -> bool {
@@ -321,7 +303,7 @@ mod tests {
         }
     }
 
-    impl Observer for Notes {
+    impl SequenceObserver for Notes {
         fn frame_kept(&self, frame: u32) {
             self.note(format!("{frame} kept"));
             if self.last == Some(frame) {
@@ -352,9 +334,10 @@ mod tests {
         };
         let keys = [key(0.0), key(999.0)];
         let path = CameraPath::new(1.0, &keys, &Pace::BY_KEYS).expect("a path");
-        let settings = RenderSettings::new(Integrator::RayTracing { bounces: 0 }, 4, 4);
+        let settings = RenderSettings::new(IntegratorSettings::Whitted { bounces: 0 }, 4, 4);
         let pool = rayon::ThreadPoolBuilder::new().build().expect("threads");
-        render_sequence(&scene, &path, &settings, frames, &pool, sink, notes)
+        let renderer = Renderer::new(&scene, settings, None).expect("needs no cache");
+        renderer.render_sequence(&path, frames, &pool, sink, notes)
     }
 
     #[test]

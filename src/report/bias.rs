@@ -1,10 +1,10 @@
 use super::light::PathLight;
-use super::measure::settings;
+use super::measure::renderer;
 use super::technique::Technique;
 use super::{Inputs, Progress};
-use crate::input::{Mode, Settings};
+use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::metrics::{BiasCheck, Estimate, HeldOutPixel};
-use crate::render::{RenderSettings, render_frame, render_pixels};
+use crate::render::Renderer;
 use crate::sampling::Random;
 use glam::Vec3;
 use serde::Serialize;
@@ -100,6 +100,7 @@ impl HeldOut {
         progress.begin("held-out pixels");
         let settings = Settings {
             mode: Some(Mode::Montecarlo),
+            gi: Some(GlobalIllumination::PathTraced),
             size: Some(size),
             samples: Some(2 * ORACLE_PATHS),
             splits: Some(vec![1]),
@@ -107,7 +108,8 @@ impl HeldOut {
             target_error: None,
             ..inputs.given.clone()
         };
-        let settings = settings.resolve();
+        let settings = inputs.resolve(&settings);
+        let renderer = Renderer::new(inputs.scene, settings, None).expect("needs no cache");
         let mut random = Random::new(SEED.into());
         let frames = inputs.frames.iter().map(|&frame| {
             let pixel = |_| {
@@ -118,7 +120,7 @@ impl HeldOut {
             let pixels: BTreeSet<(u32, u32)> = (0..PIXELS).map(pixel).collect();
             let pixels: Vec<(u32, u32)> = pixels.into_iter().collect();
             let camera = inputs.path.camera(frame);
-            let oracle = render_pixels(inputs.scene, &camera, &settings, frame, &pixels);
+            let oracle = renderer.render_pixels(&camera, frame, &pixels);
             progress.step(f64::from(2 * ORACLE_PATHS) * PIXELS as f64);
             HeldOutFrame {
                 frame,
@@ -142,11 +144,11 @@ impl HeldOut {
     ) -> BiasRow {
         progress.begin(technique.curve);
         let mut held_out = Vec::new();
+        let seeds = [0, 1].map(|seed| renderer(inputs, light, technique, self.size, seed));
         for frame in &self.frames {
-            let [first, second] = [0, 1].map(|seed| {
-                let settings = settings(inputs, light, technique, self.size, seed);
-                frame.picture(inputs, technique, &settings)
-            });
+            let [first, second] = seeds
+                .each_ref()
+                .map(|renderer| frame.picture(inputs, technique, renderer));
             let both = first.into_iter().zip(second).zip(&frame.oracle);
             held_out.extend(both.map(|((c1, c2), oracle)| HeldOutPixel {
                 technique: [c1, c2],
@@ -169,20 +171,14 @@ impl HeldOut {
 
 impl HeldOutFrame {
     /// The pixels as a technique makes them.
-    fn picture(
-        &self,
-        inputs: &Inputs,
-        technique: &Technique,
-        settings: &RenderSettings,
-    ) -> Vec<Vec3> {
-        let (scene, frame) = (inputs.scene, self.frame);
-        let camera = inputs.path.camera(frame);
+    fn picture(&self, inputs: &Inputs, technique: &Technique, renderer: &Renderer) -> Vec<Vec3> {
+        let camera = inputs.path.camera(self.frame);
         if needs_frames(technique) {
-            let film = render_frame(scene, &camera, settings, frame).film;
+            let film = renderer.render_frame(&camera, self.frame).film;
             let pixel = |&(x, y): &(u32, u32)| film.pixels()[(y * film.width() + x) as usize];
             return self.pixels.iter().map(pixel).collect();
         }
-        let halves = render_pixels(scene, &camera, settings, frame, &self.pixels);
+        let halves = renderer.render_pixels(&camera, self.frame, &self.pixels);
         halves.into_iter().map(|[a, b]| 0.5 * (a + b)).collect()
     }
 }

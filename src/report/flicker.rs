@@ -2,9 +2,9 @@ use super::light::PathLight;
 use super::technique::WITHOUT_PATHS;
 use super::{Inputs, Progress};
 use crate::film::Film;
-use crate::input::{Mode, Settings};
+use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::metrics::{Estimate, mean};
-use crate::render::{RenderSettings, Reprojection, TILE, render_pixels};
+use crate::render::{Renderer, Reprojection, TILE};
 use serde::Serialize;
 
 /// Pairs of frames, spread over the path.
@@ -56,9 +56,10 @@ pub(super) fn flicker(
     progress: &mut Progress,
 ) -> Vec<FlickerRow> {
     progress.begin("flicker");
-    let settings = |mode: Mode, samples: u32, seed: u32| {
+    let renderer = |mode: Mode, gi: GlobalIllumination, samples: u32, seed: u32| {
         let settings = Settings {
             mode: Some(mode),
+            gi: Some(gi),
             samples: Some(samples),
             splits: Some(vec![1]),
             seed: Some(seed),
@@ -67,18 +68,38 @@ pub(super) fn flicker(
             target_error: None,
             ..inputs.given.clone()
         };
-        settings.resolve()
+        light.renderer(inputs, inputs.resolve(&settings))
     };
-    let exact = settings(Mode::Montecarlo, PATHS, 0);
-    let path = light.looked_up(exact.clone());
-    let direct = settings(Mode::Raytracing, PATHS, 0);
+    let exact_of = |samples, seed| {
+        renderer(
+            Mode::Montecarlo,
+            GlobalIllumination::PathTraced,
+            samples,
+            seed,
+        )
+    };
+    let direct_of = |samples, seed| {
+        renderer(
+            Mode::Raytracing,
+            GlobalIllumination::PathTraced,
+            samples,
+            seed,
+        )
+    };
+    let exact = exact_of(PATHS, 0);
+    let path = renderer(Mode::Montecarlo, GlobalIllumination::Cached, PATHS, 0);
+    let direct = direct_of(PATHS, 0);
+    let references = exact_of(2 * REFERENCE_PATHS, SEED);
+    let direct_references = [SEED, SEED + 1].map(|seed| direct_of(REFERENCE_PATHS, seed));
     let mut rows = Vec::new();
     for frame in pairs(inputs.path.timeline().frame_count()) {
         let pair = Pair::new(inputs, frame);
         let own = [frame, frame + 1];
         let mut add = |kind: &'static str, picture: TwoFrames, [a, b]: &[TwoFrames; 2]| {
             let [picture, a, b] = [&picture, a, b].map(TwoFrames::each_ref);
-            let flicker = pair.reprojection.flicker(picture, a, b, exact.white);
+            let flicker = pair
+                .reprojection
+                .flicker(picture, a, b, exact.settings().display_white);
             rows.push(FlickerRow {
                 frame,
                 kind,
@@ -91,7 +112,6 @@ pub(super) fn flicker(
             });
         };
         let [new, locked, looked_up, lamps] = KINDS;
-        let references = settings(Mode::Montecarlo, 2 * REFERENCE_PATHS, SEED);
         let references = pair.halves(&references, own);
         add(new, pair.picture(&exact, own), &references);
         add(locked, pair.picture(&exact, [0, 0]), &references);
@@ -99,8 +119,9 @@ pub(super) fn flicker(
 
         // Without chance there are no halves. What direct light lacks is added to picture and references alike:
         // it cancels, but for being a part of the light that the flicker is a share of.
-        let direct_references = [SEED, SEED + 1]
-            .map(|seed| pair.picture(&settings(Mode::Raytracing, REFERENCE_PATHS, seed), own));
+        let direct_references = direct_references
+            .each_ref()
+            .map(|renderer| pair.picture(renderer, own));
         let rest = mixed(
             &mean_of(&references),
             &mean_of(&direct_references),
@@ -205,17 +226,16 @@ impl Pair<'_> {
     }
 
     /// Both frames, which take the random numbers of the frames given.
-    fn picture(&self, settings: &RenderSettings, numbers: [u32; 2]) -> TwoFrames {
-        mean_of(&self.halves(settings, numbers))
+    fn picture(&self, renderer: &Renderer, numbers: [u32; 2]) -> TwoFrames {
+        mean_of(&self.halves(renderer, numbers))
     }
 
     /// Both halves of both frames.
-    fn halves(&self, settings: &RenderSettings, numbers: [u32; 2]) -> [TwoFrames; 2] {
+    fn halves(&self, renderer: &Renderer, numbers: [u32; 2]) -> [TwoFrames; 2] {
         let (width, height) = self.inputs.full_size();
         let both = [0, 1].map(|i| {
             let camera = self.inputs.path.camera(self.frame + i as u32);
-            let scene = self.inputs.scene;
-            let values = render_pixels(scene, &camera, settings, numbers[i], &self.pixels[i]);
+            let values = renderer.render_pixels(&camera, numbers[i], &self.pixels[i]);
             [0, 1].map(|half| {
                 let mut film = Film::new(width, height);
                 for ((x, y), value) in self.pixels[i].iter().zip(&values) {

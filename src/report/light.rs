@@ -1,9 +1,8 @@
 use super::seconds::Seconds;
 use super::{Inputs, Progress, pixels};
-use crate::bake::bake;
-use crate::input::{Mode, Settings};
-use crate::integrator::Integrator;
-use crate::render::RenderSettings;
+use crate::bake::{Baked, bake};
+use crate::input::{GlobalIllumination, Mode, Settings};
+use crate::render::{RenderSettings, Renderer};
 use serde::Serialize;
 
 /// Paths that it takes for each pixel of the sequence, about: in `test3` and in `gallery`.
@@ -36,47 +35,43 @@ impl Bake {
 /// It is worked out once, for all that looks it up: what is wrong with it is the same in every picture, whatever
 /// the seed, and counts as bias.
 pub(super) struct PathLight {
-    looking_up: RenderSettings,
+    baked: Baked,
     pub(super) bake: Bake,
 }
 
 impl PathLight {
     pub(super) fn new(inputs: &Inputs, progress: &mut Progress) -> PathLight {
-        let exact = Settings {
+        let settings = Settings {
             mode: Some(Mode::Montecarlo),
+            gi: Some(GlobalIllumination::Cached),
             target_error: None,
             ..inputs.given.clone()
         };
-        let exact = exact.resolve();
+        let settings = inputs.resolve(&settings);
         let (baked, seconds) = Seconds::of(|| {
             progress.part(work(inputs), |listener| {
-                bake(inputs.scene, inputs.path, "path", &exact, None, listener)
+                bake(inputs.scene, inputs.path, "path", &settings, None, listener)
             })
         });
-        let mut bake = Bake {
+        let bake = Bake {
             seconds: seconds.wall,
             cpu_seconds: seconds.cpu,
             frames: inputs.path.timeline().frame_count(),
-            places: [0, 0],
-            bytes: 0,
+            places: baked.cache.place_count(),
+            bytes: baked.cache.memory(),
         };
-        if let Integrator::Cached { illumination } = &baked.settings.integrator {
-            bake.places = illumination.place_count();
-            bake.bytes = illumination.memory();
-        }
-        PathLight {
-            looking_up: baked.settings,
-            bake,
-        }
+        PathLight { baked, bake }
     }
 
-    /// The settings of frames that look it up, given those of frames that gather.
-    pub(super) fn looked_up(&self, settings: RenderSettings) -> RenderSettings {
-        RenderSettings {
-            integrator: self.looking_up.integrator.clone(),
-            cache_errors: self.looking_up.cache_errors.clone(),
-            ..settings
-        }
+    /// What renders frames of these settings.
+    pub(super) fn renderer<'a>(
+        &'a self,
+        inputs: &Inputs<'a>,
+        settings: RenderSettings,
+    ) -> Renderer<'a> {
+        Renderer::new(inputs.scene, settings, Some(&self.baked.cache))
+            .expect("all settings have the bounces of the sequence")
+            .with_cache_errors(&self.baked.errors)
     }
 }
 

@@ -5,7 +5,7 @@ use super::{Inputs, Progress, pixels};
 use crate::film::Film;
 use crate::input::Settings;
 use crate::metrics::{Difference, Estimate, Reference, mean};
-use crate::render::{ErrorEstimate, RenderSettings, render_frame};
+use crate::render::{ErrorEstimate, Renderer};
 use serde::Serialize;
 
 /// What a technique costs and how far off it is: means over frames and seeds.
@@ -76,8 +76,8 @@ pub(super) fn measure(
         let (mut errors, mut biases) = (Vec::new(), Vec::new());
         for (frame, reference) in references {
             let size = (reference.mean().width(), reference.mean().height());
-            let settings = settings(inputs, light, technique, size, seed);
-            let taken = take(inputs, technique, &settings, *frame);
+            let renderer = renderer(inputs, light, technique, size, seed);
+            let taken = take(inputs, technique, &renderer, *frame);
             let difference = Difference::of(&taken.film, reference, inputs.exposure());
             errors.push(difference.relative_square_error);
             biases.push(difference.mean_bias);
@@ -133,14 +133,14 @@ pub(super) fn measure(
     (measurement, picture)
 }
 
-/// The settings of a technique's frames.
-pub(super) fn settings(
-    inputs: &Inputs,
-    light: &PathLight,
+/// What renders a technique's frames.
+pub(super) fn renderer<'a>(
+    inputs: &Inputs<'a>,
+    light: &'a PathLight,
     technique: &Technique,
     size: (u32, u32),
     seed: u32,
-) -> RenderSettings {
+) -> Renderer<'a> {
     let of_frames = Settings {
         size: Some(size),
         seed: Some(seed * technique.repeats),
@@ -153,25 +153,19 @@ pub(super) fn settings(
         target_error: None,
         ..inputs.given.clone()
     };
-    let settings = of_frames.or(given).resolve();
-    match technique.looks_up() {
-        true => light.looked_up(settings),
-        false => settings,
-    }
+    light.renderer(inputs, inputs.resolve(&of_frames.or(given)))
 }
 
-fn take(inputs: &Inputs, technique: &Technique, settings: &RenderSettings, frame: u32) -> Taken {
+fn take(inputs: &Inputs, technique: &Technique, renderer: &Renderer, frame: u32) -> Taken {
     let camera = inputs.camera(frame, technique.is_tiny);
+    let settings = renderer.settings();
     let mut rays = 0;
     let mut error = None;
     let mut sum = Film::new(settings.width, settings.height);
     let ((), seconds) = Seconds::of(|| {
         for repeat in 0..technique.repeats {
-            let settings = RenderSettings {
-                seed: settings.seed + repeat,
-                ..settings.clone()
-            };
-            let rendered = render_frame(inputs.scene, &camera, &settings, frame);
+            let renderer = renderer.with_seed(settings.seed + repeat);
+            let rendered = renderer.render_frame(&camera, frame);
             rays += rendered.rays;
             error = rendered.error;
             for (sum, pixel) in sum.pixels_mut().iter_mut().zip(rendered.film.pixels()) {

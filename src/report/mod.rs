@@ -32,6 +32,7 @@ use crate::camera::{Camera, CameraPath};
 use crate::drawing::chart::{Chart, ChartError};
 use crate::input::Settings;
 use crate::metrics::Reference;
+use crate::render::RenderSettings;
 use crate::scene::Scene;
 use crate::storage::{check_writable, write_atomic};
 use serde::Serialize;
@@ -71,6 +72,11 @@ impl Inputs<'_> {
         self.given.exposure.unwrap_or(0.0)
     }
 
+    /// Settings of frames of the sequence.
+    fn resolve(&self, settings: &Settings) -> RenderSettings {
+        settings.resolve(self.path.timeline().frame_count())
+    }
+
     /// The camera of a frame, or of the tiny window in the middle of the full-size one.
     fn camera(&self, frame: u32, is_tiny: bool) -> Camera {
         let mut camera = self.path.camera(frame);
@@ -108,7 +114,7 @@ impl Inputs<'_> {
 
     /// Columns and rows of the sequence's own frames.
     fn full_size(&self) -> (u32, u32) {
-        let settings = self.given.resolve();
+        let settings = self.resolve(&self.given);
         (settings.width, settings.height)
     }
 }

@@ -1,8 +1,8 @@
 use super::{Inputs, Progress, ReferenceRow, ReportError, TINY};
 use crate::frames::{decode_exr, encode_exr, note_of_exr};
-use crate::input::{LEAST_TARGET_ERROR, Mode, Settings};
+use crate::input::{GlobalIllumination, LEAST_TARGET_ERROR, Mode, Settings};
 use crate::metrics::Reference;
-use crate::render::{RenderSettings, render_frame};
+use crate::render::{RenderSettings, Renderer};
 use crate::storage::write_atomic;
 use std::fs;
 
@@ -64,7 +64,8 @@ fn reference(
     if let [Some(a), Some(b)] = cached {
         return Ok(Reference::new(a, b));
     }
-    let rendered = render_frame(inputs.scene, &camera, &settings, frame);
+    let renderer = Renderer::new(inputs.scene, settings, None).expect("needs no cache");
+    let rendered = renderer.render_frame(&camera, frame);
     let halves = rendered.halves();
     for (file, half) in files.iter().zip(&halves) {
         let kept = fs::create_dir_all(&folder)
@@ -87,6 +88,7 @@ pub(super) fn advice(inputs: &Inputs, references: &[ReferenceRow]) -> Option<Str
 fn settings(inputs: &Inputs, size: (u32, u32), is_tiny: bool) -> RenderSettings {
     let settings = Settings {
         mode: Some(Mode::Montecarlo),
+        gi: Some(GlobalIllumination::PathTraced),
         size: Some(size),
         samples: Some(16),
         splits: Some(vec![2]),
@@ -94,5 +96,5 @@ fn settings(inputs: &Inputs, size: (u32, u32), is_tiny: bool) -> RenderSettings 
         target_error: Some(wanted_error(inputs, is_tiny)),
         ..Settings::default()
     };
-    settings.or(inputs.given.clone()).resolve()
+    inputs.resolve(&settings.or(inputs.given.clone()))
 }

@@ -8,5 +8,5 @@ mod sequence;
 mod warp;
 
 pub use random::Random;
-pub use sequence::{Dealt, Sequence};
+pub use sequence::{MixtureChoice, Sequence};
 pub use warp::{cosine_hemisphere, uniform_sphere};

@@ -11,13 +11,14 @@ pub struct Sequence {
     seed: u32,
 }
 
-/// What [`Sequence::deal`] makes of a sample: its purpose, and its number there.
+/// The sampling technique of a sample of a mixture, and the sample's index among those of this technique: see
+/// [`Sequence::choose_technique`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dealt {
-    /// Three of four.
-    Kept(u32),
-    /// One of four.
-    Apart(u32),
+pub enum MixtureChoice {
+    /// Three of four samples.
+    Cosine(u32),
+    /// One of four samples.
+    Guided(u32),
 }
 
 impl Sequence {
@@ -62,19 +63,19 @@ impl Sequence {
         unit(scramble_reversed(index, seed.wrapping_mul(0x85eb_ca6b)).reverse_bits())
     }
 
-    /// Deals samples to two purposes: of every four in turn one that chance chooses is set apart.
+    /// Chooses one of two sampling techniques: of every four consecutive samples, one, chosen at random, is guided.
     ///
-    /// Both purposes number their own from 0 on, without gaps.
+    /// The indices of either technique count from 0, without gaps.
     #[inline]
-    pub fn deal(self, index: u32, pair: u32) -> Dealt {
+    pub fn choose_technique(self, index: u32, pair: u32) -> MixtureChoice {
         let (four, place) = (index / 4, index % 4);
         let seed = self.seed ^ pair.wrapping_mul(0x9e37_79b9) ^ 0x2545_f491;
         let chosen = hash(hash(seed) ^ four) % 4;
         if place == chosen {
-            Dealt::Apart(four)
+            MixtureChoice::Guided(four)
         } else {
             let before = place - u32::from(place > chosen);
-            Dealt::Kept(four.wrapping_mul(3).wrapping_add(before))
+            MixtureChoice::Cosine(four.wrapping_mul(3).wrapping_add(before))
         }
     }
 }
@@ -151,21 +152,28 @@ mod tests {
     }
 
     #[test]
-    fn one_of_four_is_dealt_apart_and_no_number_twice() {
+    fn one_of_four_samples_is_guided_and_no_index_is_used_twice() {
         let mut places = [0; 4];
         for x in 0..1000 {
             let sequence = Sequence::new(0, 0, x, 0);
-            let mut dealt: Vec<Dealt> = (0..64).map(|i| sequence.deal(i, 3)).collect();
-            for four in dealt.chunks(4) {
-                let apart = four.iter().position(|d| matches!(d, Dealt::Apart(_)));
-                places[apart.expect("one of four")] += 1;
+            let mut choices: Vec<MixtureChoice> =
+                (0..64).map(|i| sequence.choose_technique(i, 3)).collect();
+            for four in choices.chunks(4) {
+                let guided = four
+                    .iter()
+                    .position(|d| matches!(d, MixtureChoice::Guided(_)));
+                places[guided.expect("one of four")] += 1;
             }
-            dealt.sort_by_key(|dealt| match dealt {
-                Dealt::Kept(number) => *number,
-                Dealt::Apart(number) => 48 + number,
+            choices.sort_by_key(|choice| match choice {
+                MixtureChoice::Cosine(number) => *number,
+                MixtureChoice::Guided(number) => 48 + number,
             });
-            let kept = (0..48).map(Dealt::Kept);
-            assert!(dealt.into_iter().eq(kept.chain((0..16).map(Dealt::Apart))));
+            let cosine = (0..48).map(MixtureChoice::Cosine);
+            assert!(
+                choices
+                    .into_iter()
+                    .eq(cosine.chain((0..16).map(MixtureChoice::Guided)))
+            );
         }
         // Five standard deviations of 16,000 choices with a chance of a quarter.
         assert!(

@@ -6,7 +6,6 @@ use crate::material::{FeatureSet, Material};
 use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
-use std::sync::OnceLock;
 
 /// The materials of a mesh, as numbers of the scene's materials.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -124,7 +123,6 @@ impl SceneBuilder {
             materials: self.materials,
             textures: self.textures,
             bvh,
-            spots: OnceLock::new(),
             magnitude: bounds.max.max(-bounds.min).max_element().max(0.0),
             meshes,
             spheres,

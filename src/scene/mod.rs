@@ -7,13 +7,11 @@
 
 mod builder;
 mod shadow_packet;
-mod spots;
 mod surface;
 mod surface_point;
 
 pub use builder::{MeshMaterial, SceneBuilder, SourceMesh};
 pub use shadow_packet::ShadowPacket;
-pub use spots::Spots;
 pub use surface::Surface;
 pub use surface_point::{SurfacePoint, SurfacePointPacket};
 
@@ -25,7 +23,6 @@ use crate::math::{Aabb, Ray};
 use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec3};
-use std::sync::OnceLock;
 
 /// Everything that can be seen, and the lights that show it.
 #[derive(Debug)]
@@ -48,8 +45,6 @@ pub struct Scene {
     /// What its surfaces need: the code that is generic over it relies on that.
     features: FeatureSet,
     bvh: Bvh,
-    /// Looked for when they are first asked for: ray tracing never does.
-    spots: OnceLock<Spots>,
     /// The largest absolute coordinate of any shape.
     magnitude: f32,
 }
@@ -65,6 +60,11 @@ struct Triangle {
 }
 
 impl Scene {
+    /// The closest hit of a ray, or none.
+    pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Option<Hit> {
+        self.bvh.closest(ray, traversal)
+    }
+
     /// The closest hit of each ray, or none; fast for coherent rays.
     pub fn closest_coherent(
         &self,
@@ -119,12 +119,6 @@ impl Scene {
     /// What its surfaces need.
     pub fn features(&self) -> FeatureSet {
         self.features
-    }
-
-    /// The lights close to surfaces.
-    #[inline]
-    pub fn spots(&self) -> &Spots {
-        self.spots.get_or_init(|| Spots::find(self))
     }
 
     /// The box around all shapes, relative to [`Scene::origin`]; empty for an empty scene.

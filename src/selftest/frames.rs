@@ -4,14 +4,14 @@ use super::stage::{looking, worse};
 use super::textures::Picture;
 use crate::camera::Camera;
 use crate::film::Film;
-use crate::integrator::Integrator;
+use crate::integrator::IntegratorSettings;
 use crate::material::Material;
-use crate::render::{PixelSampling, RenderSettings, render_frame};
+use crate::render::{PixelSampling, RenderSettings, Renderer};
 use crate::scene::{Scene, SceneBuilder, SourceMesh};
 use crate::simd::Kernel;
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 
-fn settings(integrator: Integrator, sampling: PixelSampling) -> RenderSettings {
+fn settings(integrator: IntegratorSettings, sampling: PixelSampling) -> RenderSettings {
     RenderSettings {
         sampling,
         seed: 1,
@@ -19,10 +19,10 @@ fn settings(integrator: Integrator, sampling: PixelSampling) -> RenderSettings {
     }
 }
 
-const RAY_TRACING: Integrator = Integrator::RayTracing { bounces: 4 };
+const WHITTED: IntegratorSettings = IntegratorSettings::Whitted { bounces: 4 };
 
-fn monte_carlo() -> Integrator {
-    Integrator::MonteCarlo {
+fn path_traced() -> IntegratorSettings {
+    IntegratorSettings::PathTraced {
         bounces: 3,
         splits: vec![2, 1],
     }
@@ -30,15 +30,20 @@ fn monte_carlo() -> Integrator {
 
 fn four_modes() -> [RenderSettings; 4] {
     [
-        settings(RAY_TRACING, PixelSampling::Center),
-        settings(RAY_TRACING, PixelSampling::Corners),
-        settings(monte_carlo(), PixelSampling::Spread(2)),
-        settings(monte_carlo(), PixelSampling::Corners),
+        settings(WHITTED, PixelSampling::Center),
+        settings(WHITTED, PixelSampling::Corners),
+        settings(path_traced(), PixelSampling::Spread(2)),
+        settings(path_traced(), PixelSampling::Corners),
     ]
 }
 
 fn film((scene, camera): &(Scene, Camera), settings: &RenderSettings) -> Film {
-    render_frame(scene, camera, settings, 0).film
+    renderer(scene, settings).render_frame(camera, 0).film
+}
+
+/// Renders by settings that need no irradiance cache.
+fn renderer<'a>(scene: &'a Scene, settings: &RenderSettings) -> Renderer<'a> {
+    Renderer::new(scene, settings.clone(), None).expect("needs no cache")
 }
 
 /// How many pixels of two films are not the same, bit by bit.
@@ -76,7 +81,7 @@ pub(super) fn scales(kernel: Kernel) -> f64 {
 /// Scaling by a power of two changes no bit of a number's fraction: gathered light must be the same in
 /// every bit, unless some length is not relative to the scene.
 pub(super) fn powers_of_two(kernel: Kernel) -> f64 {
-    let settings = settings(monte_carlo(), PixelSampling::Spread(1));
+    let settings = settings(path_traced(), PixelSampling::Spread(1));
     let of = |scale: f64| film(&room(scale, DVec3::ZERO, kernel), &settings);
     let one = of(1.0);
     let scales = [2.0_f64.powi(-20), 2.0_f64.powi(20)];
@@ -150,12 +155,13 @@ pub(super) fn through_a_wall(kernel: Kernel) -> f64 {
     let settings = RenderSettings {
         width: 1,
         height: 1,
-        ..settings(RAY_TRACING, PixelSampling::Center)
+        ..settings(WHITTED, PixelSampling::Center)
     };
+    let renderer = renderer(&scene, &settings);
     let sees_wall = |x: f64, way: f64| {
         let eye = DVec3::new(x, 0.1, 0.2);
         let camera = looking(eye, eye + DVec3::new(way, 0.01, 0.02), 1.0);
-        let seen = render_frame(&scene, &camera, &settings, 0).film.pixels()[0];
+        let seen = renderer.render_frame(&camera, 0).film.pixels()[0];
         seen.distance(Vec3::X) < 1e-6
     };
     let steps = -300..=300;
@@ -219,7 +225,7 @@ pub(super) fn slow_dolly(kernel: Kernel) -> f64 {
     let settings = RenderSettings {
         width: SIZE.x as u32,
         height: SIZE.y as u32,
-        ..settings(RAY_TRACING, PixelSampling::Center)
+        ..settings(WHITTED, PixelSampling::Center)
     };
     let half_height = 0.05;
     let exact = |x: f64, film: DVec2| {
@@ -238,6 +244,7 @@ pub(super) fn slow_dolly(kernel: Kernel) -> f64 {
     };
     let mut worst: f64 = 0.0;
     let mut before: Vec<f64> = Vec::new();
+    let renderer = renderer(&scene, &settings);
     for frame in 0..FRAMES {
         let x = -0.1 + 1e-4 * f64::from(frame);
         let camera = Camera {
@@ -245,7 +252,7 @@ pub(super) fn slow_dolly(kernel: Kernel) -> f64 {
             rotation: DMat3::IDENTITY,
             half_height,
         };
-        let film = render_frame(&scene, &camera, &settings, frame).film;
+        let film = renderer.render_frame(&camera, frame).film;
         let deviations = film.pixels().iter().enumerate().map(|(i, seen)| {
             let columns = SIZE.x as usize;
             let at = DVec2::new((i % columns) as f64, (i / columns) as f64) + 0.5;

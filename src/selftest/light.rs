@@ -1,8 +1,8 @@
 use super::shapes::Polyhedron;
-use super::stage::{DIRECT, lamp, perfect_mirror, seen, worse};
+use super::stage::{DIRECT, integrator, lamp, perfect_mirror, seen, worse};
 use crate::accel::nearest_triangle;
 use crate::geometry::{Sphere, Transform};
-use crate::integrator::Integrator;
+use crate::integrator::IntegratorSettings;
 use crate::light::{Falloff, PointLight};
 use crate::material::Material;
 use crate::math::Ray;
@@ -36,6 +36,7 @@ pub(super) fn terminator(kernel: Kernel) -> f64 {
         ..SceneBuilder::default()
     };
     let (scene, _) = builder.build();
+    let direct = integrator(&scene, &DIRECT);
     let triangles = ball.triangles();
     let mut worst: f64 = 0.0;
     for i in 0..100 * 100 {
@@ -60,7 +61,7 @@ pub(super) fn terminator(kernel: Kernel) -> f64 {
         } else {
             0.0
         };
-        let found = seen(&scene, &DIRECT, eye, direction).x;
+        let found = seen(&direct, eye, direction).x;
         worst = worse(worst, (f64::from(found) - exact).abs());
     }
     worst
@@ -94,6 +95,7 @@ pub(super) fn mirror_corridor(kernel: Kernel) -> f64 {
         let x = 2.0 * f64::from(n) + if n % 2 == 0 { 0.3 } else { -0.3 };
         let image = DVec3::new(x, 0.0, -2.0);
         for bounces in 0..=4 {
+            let mirrors = integrator(&scene, &IntegratorSettings::Whitted { bounces });
             for i in 0..200 {
                 let aside = image.cross(random.point()).normalize();
                 let share = [0.9999, 1.0001][i % 2];
@@ -103,12 +105,7 @@ pub(super) fn mirror_corridor(kernel: Kernel) -> f64 {
                 let direction = image.normalize() + share * tangent * aside;
                 let is_seen = share < 1.0 && n.unsigned_abs() <= bounces;
                 let exact = if is_seen { 0.25 } else { 1.0 };
-                let found = seen(
-                    &scene,
-                    &Integrator::RayTracing { bounces },
-                    DVec3::ZERO,
-                    direction,
-                );
+                let found = seen(&mirrors, DVec3::ZERO, direction);
                 worst = worse(worst, (f64::from(found.x) - exact).abs());
             }
         }
@@ -137,13 +134,14 @@ pub(super) fn grazing_mirror(kernel: Kernel) -> f64 {
             ..SceneBuilder::default()
         };
         let (scene, _) = builder.build();
+        let mirrors = integrator(&scene, &IntegratorSettings::Whitted { bounces: 4 });
         for i in 0..10_000 {
             let above = [0.01_f64, 0.0001][i % 2].to_radians().tan();
             // It is met 20 m away.
             let eye = turn.point(20.0 * above * DVec3::Y);
             let (sin, cos) = (2.0 * PI * f64::from(random.unit())).sin_cos();
             let way = turn.point(DVec3::new(cos, -above, sin));
-            let found = seen(&scene, &Integrator::RayTracing { bounces: 4 }, eye, way);
+            let found = seen(&mirrors, eye, way);
             let error = found.distance(Vec3::new(0.25, 0.5, 0.75));
             worst = worse(worst, error.into());
         }
@@ -176,7 +174,7 @@ pub(super) fn near_and_far(kernel: Kernel) -> f64 {
             ..SceneBuilder::default()
         };
         let (scene, _) = builder.build();
-        f64::from(seen(&scene, &DIRECT, DVec3::Y, DVec3::NEG_Y).x)
+        f64::from(seen(&integrator(&scene, &DIRECT), DVec3::Y, DVec3::NEG_Y).x)
     };
     let mut worst: f64 = 0.0;
     for exponent in -40..=15 {
@@ -202,8 +200,8 @@ pub(super) fn near_and_far(kernel: Kernel) -> f64 {
     others.into_iter().fold(worst, worse)
 }
 
-fn gathered(bounces: u32) -> Integrator {
-    Integrator::MonteCarlo {
+fn path_traced(bounces: u32) -> IntegratorSettings {
+    IntegratorSettings::PathTraced {
         bounces,
         splits: vec![4, 2],
     }
@@ -225,9 +223,10 @@ pub(super) fn sphere_interior(kernel: Kernel) -> f64 {
     let mut worst: f64 = 0.0;
     for bounces in [0, 1, 2, 3, 4, 20] {
         let exact = 1.0 - 0.5_f64.powi(bounces as i32 + 1);
+        let gathered = integrator(&scene, &path_traced(bounces));
         for _ in 0..100 {
             let eye = ball.center + 0.5 * random.point();
-            let found = seen(&scene, &gathered(bounces), eye, random.point());
+            let found = seen(&gathered, eye, random.point());
             worst = worse(worst, (f64::from(found.x) - exact).abs());
         }
     }
@@ -255,9 +254,10 @@ pub(super) fn furnace(kernel: Kernel) -> f64 {
             };
             let (scene, _) = builder.build();
             let exact = f64::from((1.0 - share) * albedo + share);
+            let gathered = integrator(&scene, &path_traced(2));
             for _ in 0..100 {
                 let eye = 5.0 * random.point().normalize_or(DVec3::X);
-                let found = seen(&scene, &gathered(2), eye, 0.5 * random.point() - eye);
+                let found = seen(&gathered, eye, 0.5 * random.point() - eye);
                 worst = worse(worst, (f64::from(found.x) - exact).abs());
             }
         }

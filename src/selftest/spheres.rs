@@ -2,10 +2,10 @@ use super::stage::{lamp, looking, worse};
 use crate::accel::{Bvh, Traversal};
 use crate::camera::Camera;
 use crate::geometry::Sphere;
-use crate::integrator::Integrator;
+use crate::integrator::IntegratorSettings;
 use crate::material::Material;
 use crate::math::Ray;
-use crate::render::{RenderSettings, render_frame};
+use crate::render::{RenderSettings, Renderer};
 use crate::sampling::Random;
 use crate::scene::SceneBuilder;
 use crate::simd::Kernel;
@@ -271,7 +271,8 @@ pub(super) fn ground(kernel: Kernel) -> f64 {
         ..SceneBuilder::default()
     };
     let (scene, _) = builder.build();
-    let settings = RenderSettings::new(Integrator::RayTracing { bounces: 0 }, 160, 90);
+    let settings = RenderSettings::new(IntegratorSettings::Whitted { bounces: 0 }, 160, 90);
+    let renderer = Renderer::new(&scene, settings, None).expect("needs no cache");
     let eye = DVec3::Y;
     let cameras: [Camera; 2] = [
         looking(eye, DVec3::new(0.3, 0.2, -4.0), 70.0),
@@ -280,7 +281,7 @@ pub(super) fn ground(kernel: Kernel) -> f64 {
     let size = DVec2::new(160.0, 90.0);
     let mut worst: f64 = 0.0;
     for camera in cameras {
-        let film = render_frame(&scene, &camera, &settings, 0).film;
+        let film = renderer.render_frame(&camera, 0).film;
         let rays = camera.rays(size, DVec3::ZERO);
         for (i, pixel) in film.pixels().iter().enumerate() {
             let middle = DVec2::new((i % 160) as f64, (i / 160) as f64) + 0.5;

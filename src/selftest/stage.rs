@@ -2,7 +2,7 @@ use super::shapes::Polyhedron;
 use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::geometry::Hit;
-use crate::integrator::{CameraSample, Integrator};
+use crate::integrator::{CameraSample, Integrator, IntegratorSettings};
 use crate::light::{Falloff, PointLight};
 use crate::material::Material;
 use crate::math::Ray;
@@ -66,17 +66,22 @@ pub(super) fn sine(unit: Vec3, exact: DVec3) -> f64 {
 }
 
 /// Direct light alone.
-pub(super) const DIRECT: Integrator = Integrator::RayTracing { bounces: 0 };
+pub(super) const DIRECT: IntegratorSettings = IntegratorSettings::Whitted { bounces: 0 };
+
+/// The integrator of settings that need no irradiance cache.
+pub(super) fn integrator<'a>(scene: &'a Scene, settings: &IntegratorSettings) -> Integrator<'a> {
+    Integrator::new(scene, settings, None).expect("needs no cache")
+}
 
 /// The light that comes to `eye` along `direction`.
-pub(super) fn seen(scene: &Scene, integrator: &Integrator, eye: DVec3, direction: DVec3) -> Vec3 {
+pub(super) fn seen(integrator: &Integrator, eye: DVec3, direction: DVec3) -> Vec3 {
     let sample = CameraSample {
-        ray: ray_in(scene, eye, direction),
+        ray: ray_in(integrator.scene(), eye, direction),
         sequence: Sequence::new(0, 0, 0, 0),
         index: 0,
     };
     let mut radiance = [Vec3::ZERO];
-    integrator.radiance(scene, &[sample], &mut Traversal::default(), &mut radiance);
+    integrator.radiance(&[sample], &mut Traversal::default(), &mut radiance);
     radiance[0]
 }
 

@@ -12,7 +12,7 @@
 use flythrough::camera_formats::load_camera_path;
 use flythrough::film::Film;
 use flythrough::input::{InputFiles, Settings, load_scene};
-use flythrough::render::render_frame;
+use flythrough::render::Renderer;
 use flythrough::scene::Scene;
 use std::path::Path;
 use std::time::Instant;
@@ -56,13 +56,15 @@ fn main() {
             splits: Some(vec![1]),
             ..Settings::default()
         };
-        let settings = settings.resolve();
+        let settings = settings.resolve(1);
+        let renderer = |scene| Renderer::new(scene, settings.clone(), None).unwrap();
+        let renderers: Vec<Renderer> = scenes.iter().map(renderer).collect();
         let mut best = [f64::INFINITY; HIDDEN.len()];
         let mut first: Option<Film> = None;
         for _ in 0..RUNS {
-            for (scene, best) in scenes.iter().zip(&mut best) {
+            for (renderer, best) in renderers.iter().zip(&mut best) {
                 let start = Instant::now();
-                let film = render_frame(scene, &camera, &settings, 0).film;
+                let film = renderer.render_frame(&camera, 0).film;
                 *best = best.min(start.elapsed().as_secs_f64());
                 let expected = first.get_or_insert_with(|| film.clone());
                 assert!(film.pixels() == expected.pixels(), "the same picture");

@@ -15,7 +15,7 @@ use flythrough::camera_formats::load_camera_path;
 use flythrough::input::{InputFiles, Settings, load_scene};
 use flythrough::material::Only;
 use flythrough::math::Ray;
-use flythrough::render::{RenderSettings, render_frame};
+use flythrough::render::{RenderSettings, Renderer};
 use flythrough::sampling::Sequence;
 use flythrough::scene::{Scene, ShadowPacket, SurfacePointPacket};
 use flythrough::simd::PACKET_WIDTH;
@@ -136,16 +136,17 @@ impl Frame {
         Frame {
             scene: scene.scene,
             camera: path.path.camera(number),
-            settings: settings.resolve(),
+            settings: settings.resolve(1),
             number,
         }
     }
 
     /// Seconds and rays.
     fn render(&self) -> (f64, u64) {
+        let renderer = Renderer::new(&self.scene, self.settings.clone(), None).unwrap();
         let mut rays = 0;
         let seconds = median(|| {
-            rays = render_frame(&self.scene, &self.camera, &self.settings, self.number).rays;
+            rays = renderer.render_frame(&self.camera, self.number).rays;
         });
         (seconds, rays)
     }

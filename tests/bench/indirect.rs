@@ -10,17 +10,14 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::bake::BakeState;
+use flythrough::bake::{BakeState, cache_errors};
 use flythrough::camera_formats::load_camera_path;
-use flythrough::input::{InputFiles, Mode, Settings, load_scene};
-use flythrough::integrator::Integrator;
+use flythrough::input::{GlobalIllumination, InputFiles, Mode, Settings, load_scene};
+use flythrough::integrator::IntegratorSettings;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
-use flythrough::render::{
-    PixelSampling, RenderSettings, cache_errors, render_frame, render_pixels,
-};
+use flythrough::render::{PixelSampling, RenderSettings, Renderer};
 use flythrough::sampling::Random;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Frames that are timed and looked at.
@@ -48,6 +45,7 @@ fn main() {
     let (width, height) = size.split_once('x').unwrap();
     let given = Settings {
         mode: Some(Mode::Montecarlo),
+        gi: Some(GlobalIllumination::PathTraced),
         size: Some((width.parse().unwrap(), height.parse().unwrap())),
         splits: Some(vec![PATHS]),
         samples: None,
@@ -55,16 +53,14 @@ fn main() {
         ..path.settings.or(scene.settings)
     };
     let (scene, path) = (scene.scene, path.path);
-    let exact = given.resolve();
-    let Integrator::MonteCarlo { bounces, .. } = exact.integrator else {
-        return;
-    };
+    let exact = given.resolve(path.timeline().frame_count());
+    let bounces = exact.integrator.bounces();
 
     let start = Instant::now();
     let mut cache = BakeState::new(&scene, bounces, exact.seed, 0);
     let size = (exact.width, exact.height);
     cache.extend(&scene, &path, "path", size, &|_, _| ());
-    let illumination = Arc::new(cache.illumination());
+    let illumination = cache.illumination();
     let baked = start.elapsed().as_secs_f64();
     let [visible, secondary] = illumination.place_count();
     println!(
@@ -72,28 +68,29 @@ fn main() {
         illumination.memory() as f64 / 1e6
     );
 
-    let cached = exact.looking_up(illumination);
-    let direct = RenderSettings {
-        integrator: Integrator::RayTracing { bounces },
+    let renderer =
+        |settings: RenderSettings| Renderer::new(&scene, settings, Some(&illumination)).unwrap();
+    let by = |integrator: IntegratorSettings| RenderSettings {
+        integrator,
         ..exact.clone()
     };
+    let cached = by(IntegratorSettings::Cached { bounces });
+    let direct = by(IntegratorSettings::Whitted { bounces });
     let count = path.timeline().frame_count();
     let middle = |part: u32| (2 * part + 1) * count / (2 * FRAMES);
     let frames: Vec<u32> = (0..FRAMES).map(middle).collect();
     let sampling = PixelSampling::Spread(4);
-    let both = [&direct, &cached].map(|settings| RenderSettings {
-        sampling,
-        ..settings.clone()
-    });
+    let both =
+        [&direct, &cached].map(|settings| renderer(settings.clone()).with_sampling(sampling));
     // In turn, so that a slow while of the machine is one of both.
     let mut sums = [(0.0, 0.0); 2];
     for &frame in &frames {
         let camera = path.camera(frame);
         let mut best = [(f64::INFINITY, 0.0); 2];
         for _ in 0..RUNS {
-            for (settings, best) in both.iter().zip(&mut best) {
+            for (renderer, best) in both.iter().zip(&mut best) {
                 let start = Instant::now();
-                let rays = render_frame(&scene, &camera, settings, frame).rays;
+                let rays = renderer.render_frame(&camera, frame).rays;
                 *best = (best.0.min(start.elapsed().as_secs_f64()), rays as f64);
             }
         }
@@ -115,7 +112,8 @@ fn main() {
 
     let exposure = given.exposure.unwrap_or(0.0);
     let mut random = Random::new(5);
-    let said = cache_errors(&scene, &path, &cached);
+    let said = cache_errors(&scene, &path, &cached, &illumination).unwrap();
+    let held_out_by = [&cached, &exact].map(|settings| renderer(settings.clone()));
     let (mut everywhere, mut places) = (Vec::new(), Vec::new());
     let mut honest = 0;
     for &frame in &frames {
@@ -124,8 +122,11 @@ fn main() {
             (x, y)
         };
         let pixels: Vec<(u32, u32)> = (0..PIXELS).map(pixel).collect();
-        let of = |settings| render_pixels(&scene, &path.camera(frame), settings, frame, &pixels);
-        let both = of(&cached).into_iter().zip(of(&exact));
+        let camera = path.camera(frame);
+        let [technique, oracle] = held_out_by
+            .each_ref()
+            .map(|renderer| renderer.render_pixels(&camera, frame, &pixels));
+        let both = technique.into_iter().zip(oracle);
         let held_out = both.map(|(technique, oracle)| HeldOutPixel { technique, oracle });
         let held_out: Vec<HeldOutPixel> = held_out.collect();
         let measured = print_error(&format!("frame {frame}"), &held_out, exposure);
@@ -138,20 +139,17 @@ fn main() {
     print_error("all frames", &everywhere, exposure);
     println!("{honest} of {FRAMES} frames are no worse than said");
 
-    let with_paths = |settings: &RenderSettings, paths| RenderSettings {
-        integrator: Integrator::MonteCarlo {
-            bounces,
-            splits: vec![paths],
-        },
-        seed: exact.seed + 1,
-        ..settings.clone()
+    let with_paths = |paths| {
+        let splits = vec![paths];
+        let settings = by(IntegratorSettings::PathTraced { bounces, splits });
+        renderer(settings).with_seed(exact.seed + 1)
     };
     let square_error = |pixels: &[HeldOutPixel]| BiasCheck::of(pixels, exposure).squared_bias.mean;
     let looked_up = square_error(&everywhere);
     let error_of = |paths| {
-        let settings = with_paths(&exact, paths);
+        let renderer = with_paths(paths);
         let values = places.iter().flat_map(|(frame, pixels)| {
-            render_pixels(&scene, &path.camera(*frame), &settings, *frame, pixels)
+            renderer.render_pixels(&path.camera(*frame), *frame, pixels)
         });
         let pixels = everywhere.iter().zip(values).map(|(pixel, [a, b])| {
             let mean = 0.5 * (a + b);
@@ -169,14 +167,12 @@ fn main() {
         return;
     };
     // As many paths of each pixel, spread over its four camera samples.
-    let small = RenderSettings {
-        width: exact.width / SHARE,
-        height: exact.height / SHARE,
-        ..with_paths(&both[0], paths / 4)
-    };
+    let small = with_paths(paths / 4)
+        .with_sampling(sampling)
+        .with_size(exact.width / SHARE, exact.height / SHARE);
     let start = Instant::now();
     for &frame in &frames {
-        render_frame(&scene, &path.camera(frame), &small, frame);
+        small.render_frame(&path.camera(frame), frame);
     }
     let seconds = start.elapsed().as_secs_f64() * f64::from(SHARE * SHARE) / f64::from(FRAMES);
     println!(

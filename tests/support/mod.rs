@@ -8,8 +8,8 @@ pub(crate) mod statistics;
 use flythrough::camera::{Camera, CameraPath};
 use flythrough::camera_formats::load_camera_path;
 use flythrough::input::{InputFiles, load_scene};
-use flythrough::integrator::Integrator;
-use flythrough::render::{RenderSettings, render_frame};
+use flythrough::integrator::IntegratorSettings;
+use flythrough::render::{RenderSettings, Renderer};
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::path::{Path, PathBuf};
@@ -70,19 +70,29 @@ pub(crate) fn camera(position: DVec3, target: DVec3, degrees: f64) -> Camera {
     Camera::look_at(position, target, degrees.to_radians()).unwrap()
 }
 
-pub(crate) fn settings(integrator: Integrator, width: u32, height: u32) -> RenderSettings {
+pub(crate) fn settings(integrator: IntegratorSettings, width: u32, height: u32) -> RenderSettings {
     RenderSettings::new(integrator, width, height)
+}
+
+/// Renders by settings that need no irradiance cache.
+pub(crate) fn renderer<'a>(scene: &'a Scene, settings: &RenderSettings) -> Renderer<'a> {
+    Renderer::new(scene, settings.clone(), None).unwrap()
 }
 
 /// The pixels of one frame.
 pub(crate) fn render(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Vec<Vec3> {
-    let rendered = render_frame(scene, camera, settings, 0);
+    let rendered = renderer(scene, settings).render_frame(camera, 0);
     assert_eq!(rendered.non_finite_samples, 0);
     rendered.film.pixels().to_vec()
 }
 
 /// What a camera sees in the very middle of its picture.
-pub(crate) fn look(scene: &Scene, integrator: Integrator, position: DVec3, target: DVec3) -> Vec3 {
+pub(crate) fn look(
+    scene: &Scene,
+    integrator: IntegratorSettings,
+    position: DVec3,
+    target: DVec3,
+) -> Vec3 {
     render(
         scene,
         &camera(position, target, 1e-6),
@@ -90,12 +100,12 @@ pub(crate) fn look(scene: &Scene, integrator: Integrator, position: DVec3, targe
     )[0]
 }
 
-pub(crate) fn ray_tracing() -> Integrator {
-    Integrator::RayTracing { bounces: 4 }
+pub(crate) fn ray_tracing() -> IntegratorSettings {
+    IntegratorSettings::Whitted { bounces: 4 }
 }
 
-pub(crate) fn monte_carlo(bounces: u32, splits: &[u32]) -> Integrator {
-    Integrator::MonteCarlo {
+pub(crate) fn monte_carlo(bounces: u32, splits: &[u32]) -> IntegratorSettings {
+    IntegratorSettings::PathTraced {
         bounces,
         splits: splits.to_vec(),
     }

@@ -2,9 +2,9 @@
 
 pub(crate) use flythrough::metrics::Estimate;
 
-use super::{render, settings};
+use super::{renderer, settings};
 use flythrough::camera::Camera;
-use flythrough::integrator::Integrator;
+use flythrough::integrator::IntegratorSettings;
 use flythrough::metrics::student;
 use flythrough::render::{PixelSampling, RenderSettings};
 use flythrough::scene::Scene;
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 /// Settings with so many camera samples spread over each pixel.
 pub(crate) fn spread(
-    integrator: Integrator,
+    integrator: IntegratorSettings,
     [width, height]: [u32; 2],
     samples: u32,
 ) -> RenderSettings {
@@ -36,12 +36,11 @@ pub(crate) fn runs(
     settings: &RenderSettings,
     seeds: std::ops::Range<u32>,
 ) -> Vec<Vec<f64>> {
+    let renderer = renderer(scene, settings);
     let with_seed = |seed| {
-        let settings = RenderSettings {
-            seed,
-            ..settings.clone()
-        };
-        channels(&render(scene, camera, &settings))
+        let rendered = renderer.with_seed(seed).render_frame(camera, 0);
+        assert_eq!(rendered.non_finite_samples, 0);
+        channels(rendered.film.pixels())
     };
     seeds.into_par_iter().map(with_seed).collect()
 }

@@ -2,8 +2,8 @@
 
 use flythrough::camera::Camera;
 use flythrough::input::{InputFiles, load_scene};
-use flythrough::integrator::Integrator;
-use flythrough::render::{RenderSettings, render_frame};
+use flythrough::integrator::IntegratorSettings;
+use flythrough::render::{RenderSettings, Renderer};
 use flythrough::scene::Scene;
 use std::fs;
 use std::path::PathBuf;
@@ -55,14 +55,15 @@ fn render(scene: &Scene) {
             continue;
         };
         for integrator in [
-            Integrator::RayTracing { bounces: 3 },
-            Integrator::MonteCarlo {
+            IntegratorSettings::Whitted { bounces: 3 },
+            IntegratorSettings::PathTraced {
                 bounces: 3,
                 splits: vec![2],
             },
         ] {
             let settings = RenderSettings::new(integrator, 4, 3);
-            let rendered = render_frame(scene, &camera, &settings, 0);
+            let renderer = Renderer::new(scene, settings, None).expect("needs no cache");
+            let rendered = renderer.render_frame(&camera, 0);
             for pixel in rendered.film.pixels() {
                 assert!(pixel.min_element() >= 0.0, "{pixel}");
             }

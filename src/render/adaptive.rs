@@ -12,19 +12,19 @@ const LEAST_VARIANCE: f32 = 0.1;
 /// of their variance (Neyman 1934, "On the Two Different Aspects of the Representative Method"). What a
 /// point needs is told by its neighbours' first passes alone: no point's number of samples depends on what
 /// these samples are, so every mean stays unbiased.
-pub(super) struct Allocation {
+pub(super) struct SampleAllocation {
     /// The variance of one pass at each point, in proportion to the square of the light.
     variances: Vec<f32>,
 }
 
-impl Allocation {
+impl SampleAllocation {
     /// For points in rows of `width`, by the values and half the differences of the halves of one pass each.
     pub(super) fn new(
         values: &[Vec3],
         deviations: &[Vec3],
         width: usize,
         white: f32,
-    ) -> Allocation {
+    ) -> SampleAllocation {
         let squares: Vec<Vec3> = deviations.iter().map(|d| d * d).collect();
         let around = |number: usize| {
             let rings = [1, 2].map(|reach| mean_around(&squares, width, number, reach));
@@ -46,7 +46,7 @@ impl Allocation {
         for variance in &mut variances {
             *variance = variance.max(LEAST_VARIANCE * mean as f32);
         }
-        Allocation { variances }
+        SampleAllocation { variances }
     }
 
     /// The passes of each point by which the frame's square error comes down to `share`, of 0 to 1, of what

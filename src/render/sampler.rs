@@ -1,28 +1,26 @@
 use super::grid::Grid;
-use super::watch::Watch;
-use super::{PixelSampling, RenderSettings};
+use super::observer::FrameObserver;
+use super::{PixelSampling, Renderer};
 use crate::accel::Traversal;
 use crate::camera::{Camera, CameraRays};
 use crate::integrator::{CameraSample, Integrator};
 use crate::sampling::Sequence;
-use crate::scene::Scene;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 /// So many camera rays set out together.
 const BATCH: usize = 256;
 
-/// How the points of a frame take their samples.
+/// How the points of a frame are sampled.
 ///
-/// Where chance is at work, they are taken in two halves that have nothing in common, so that their
-/// difference tells how far off their mean is: half of the samples each or, of one sample, one with half of
-/// the paths from the first diffuse bounce. Odd numbers are rounded up.
+/// Where there is noise, samples are taken in two independent half buffers, A and B, whose difference tells the
+/// variance of their mean: half of the samples each or, of a single sample, one each with half of the paths from the
+/// first diffuse bounce. Odd numbers are rounded up.
 pub(super) struct Sampler<'a> {
-    scene: &'a Scene,
     rays: CameraRays,
     sampling: PixelSampling,
     /// Of each half.
-    integrator: Integrator,
+    integrator: Integrator<'a>,
     /// Of each half in one pass.
     samples: u32,
     /// 1 or 2.
@@ -32,31 +30,29 @@ pub(super) struct Sampler<'a> {
 }
 
 impl<'a> Sampler<'a> {
-    pub(super) fn new(
-        scene: &'a Scene,
-        camera: &Camera,
-        settings: &RenderSettings,
-        frame: u32,
-    ) -> Sampler<'a> {
+    pub(super) fn new(renderer: &Renderer<'a>, camera: &Camera, frame: u32) -> Sampler<'a> {
+        let Renderer {
+            settings,
+            integrator,
+            ..
+        } = renderer;
         let size = DVec2::new(settings.width.into(), settings.height.into());
         let mut samples = match settings.sampling {
             PixelSampling::Spread(count) => count,
             PixelSampling::Center | PixelSampling::Corners => 1,
         };
-        let mut integrator = settings.integrator.clone();
+        let mut integrator = integrator.clone();
         let mut halves = 1;
         if settings.has_noise() {
             halves = 2;
-            match &mut integrator {
-                Integrator::MonteCarlo { splits, .. } if samples == 1 && !splits.is_empty() => {
-                    splits[0] = splits[0].div_ceil(2);
-                }
-                _ => samples = samples.div_ceil(2),
+            if samples == 1 && !integrator.splits().is_empty() {
+                integrator = integrator.with_half_the_paths();
+            } else {
+                samples = samples.div_ceil(2);
             }
         }
         Sampler {
-            scene,
-            rays: camera.rays(size, scene.origin),
+            rays: camera.rays(size, renderer.scene().origin),
             sampling: settings.sampling,
             integrator,
             samples,
@@ -69,13 +65,9 @@ impl<'a> Sampler<'a> {
     /// How many passes a point can take: single precision tells 2^24 camera samples of a half apart, and 32
     /// bits number their paths.
     pub(super) fn most_passes(&self) -> u32 {
-        let paths = match &self.integrator {
-            Integrator::MonteCarlo { splits, .. } => {
-                let splits = splits.iter().map(|&split| u64::from(split));
-                splits.fold(1, u64::saturating_mul)
-            }
-            Integrator::RayTracing { .. } | Integrator::Cached { .. } => 1,
-        };
+        let splits = self.integrator.splits().iter();
+        let paths = splits.map(|&split| u64::from(split));
+        let paths = paths.fold(1, u64::saturating_mul);
         let samples = (1_u64 << 24).min((1_u64 << 32) / paths);
         (samples as u32 / self.samples).max(1)
     }
@@ -138,7 +130,7 @@ impl<'a> Sampler<'a> {
         let radiance = &mut radiance[..batch.samples.len()];
         let traversal = &mut work.traversal;
         self.integrator
-            .radiance(self.scene, &batch.samples, traversal, radiance);
+            .radiance(&batch.samples, traversal, radiance);
         for (owner, light) in batch.owners.iter().zip(radiance) {
             if light.is_finite() {
                 sums[*owner] += light.as_dvec3();
@@ -194,13 +186,13 @@ impl Estimates {
     }
 
     /// Takes as many passes at each point, by its number, as are missing to those wanted; tile by tile in
-    /// parallel. Once the watch is stopped, further tiles take none.
+    /// parallel. Once the observer stops, further tiles take none.
     pub(super) fn refine(
         &mut self,
         grid: Grid,
         sampler: &Sampler,
         wanted: impl Fn(usize) -> u32 + Sync,
-        watch: &dyn Watch,
+        observer: &dyn FrameObserver,
     ) {
         let taken = &self.passes;
         let passes = |point| {
@@ -211,14 +203,14 @@ impl Estimates {
             .into_par_iter()
             .map(|tile| {
                 let mut points = grid.tile_points(tile);
-                let stopped = watch.is_stopped();
+                let stopped = observer.is_stopped();
                 points.retain(|&point| {
                     let (before, now) = passes(point);
                     now > before && !stopped
                 });
                 let mut work = Work::default();
                 let means = sampler.means(&points, passes, &mut work);
-                watch.tile_done(work.traversal.rays);
+                observer.tile_done(work.traversal.rays);
                 RefinedTile {
                     points,
                     means,

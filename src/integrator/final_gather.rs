@@ -1,0 +1,130 @@
+//! Final gathering: the indirect light at a point by paths over its hemisphere (Reichert 1992; Jensen 2001).
+
+use super::for_each_feature_set;
+use super::light_sampler::LightSampler;
+use super::path_state::{PathState, Technique};
+use super::path_tracer::PathTracer;
+use crate::accel::Traversal;
+use crate::irradiance_cache::SecondaryIrradiance;
+use crate::material::{FeatureSet, Features, Reflectance};
+use crate::math::Ray;
+use crate::sampling::Sequence;
+use crate::scene::{Scene, Surface, SurfacePoint};
+use glam::Vec3;
+use std::marker::PhantomData;
+
+/// A point of a surface, on one side of it, and the random numbers of its paths.
+#[derive(Clone, Copy, Debug)]
+pub struct GatherPoint {
+    /// The point.
+    pub point: SurfacePoint,
+    /// The random numbers.
+    pub sequence: Sequence,
+    /// Sample index within `sequence`: points with the same sequence have different indices.
+    pub index: u32,
+}
+
+/// Gathers the light that arrives at points of a scene.
+#[derive(Clone, Debug)]
+pub struct FinalGather<'a> {
+    light_sampler: LightSampler<'a>,
+}
+
+impl<'a> FinalGather<'a> {
+    /// In a scene. Traces rays to find the lights that guide paths.
+    pub fn new(scene: &'a Scene) -> FinalGather<'a> {
+        FinalGather {
+            light_sampler: LightSampler::new(scene),
+        }
+    }
+
+    pub(super) fn scene(&self) -> &'a Scene {
+        self.light_sampler.scene()
+    }
+
+    /// The cosine-weighted mean radiance that arrives at points from their hemispheres, by paths of up to
+    /// `bounces_left` bounces, at least one.
+    ///
+    /// Each is an estimate of `paths` paths. With a cache, paths end beyond the first bounce where it has records;
+    /// without one the estimate is unbiased.
+    pub fn gather(
+        &self,
+        points: &[GatherPoint],
+        bounces_left: u32,
+        paths: u32,
+        cache: Option<&SecondaryIrradiance>,
+        traversal: &mut Traversal,
+    ) -> Vec<Vec3> {
+        let for_features = GATHER[self.scene().features().number()];
+        for_features(self, points, bounces_left, paths, cache, traversal)
+    }
+
+    /// [`FinalGather::gather`] for the features of the scene.
+    pub(super) fn gather_for<F: Features>(
+        &self,
+        points: &[GatherPoint],
+        bounces_left: u32,
+        paths: u32,
+        cache: Option<&SecondaryIrradiance>,
+        traversal: &mut Traversal,
+    ) -> Vec<Vec3> {
+        /// Reflects all incident light.
+        const WHITE: Reflectance = Reflectance {
+            diffuse: Vec3::ONE,
+            specular: Vec3::ZERO,
+            shininess: 0.0,
+            reflective: Vec3::ZERO,
+        };
+        let mut path_tracer = PathTracer::<F> {
+            light_sampler: &self.light_sampler,
+            bounces: bounces_left,
+            splits: &[paths],
+            cache,
+            traversal,
+            features: PhantomData,
+        };
+        let surface = |point: &GatherPoint| {
+            Some(Surface {
+                point: point.point,
+                reflectance: WHITE,
+            })
+        };
+        let path = |point: &GatherPoint| PathState {
+            ray: Ray::new(point.point.position, -point.point.shading_normal),
+            sequence: point.sequence,
+            depth: 0,
+            diffuse_bounces: 0,
+            index: point.index,
+            technique: Technique::Only,
+        };
+        let surfaces: Vec<Option<Surface>> = points.iter().map(surface).collect();
+        let paths: Vec<PathState> = points.iter().map(path).collect();
+        let direct = vec![Vec3::ZERO; points.len()];
+        let mut radiance = direct.clone();
+        path_tracer.outgoing_radiance(&paths, &surfaces, &direct, &mut radiance);
+        radiance
+    }
+}
+
+type GatherFor = fn(
+    &FinalGather,
+    &[GatherPoint],
+    u32,
+    u32,
+    Option<&SecondaryIrradiance>,
+    &mut Traversal,
+) -> Vec<Vec3>;
+
+/// [`FinalGather::gather`] for each set of features.
+static GATHER: [GatherFor; FeatureSet::COUNT] = for_each_feature_set!(gather_for);
+
+fn gather_for<F: Features>(
+    final_gather: &FinalGather,
+    points: &[GatherPoint],
+    bounces_left: u32,
+    paths: u32,
+    cache: Option<&SecondaryIrradiance>,
+    traversal: &mut Traversal,
+) -> Vec<Vec3> {
+    final_gather.gather_for::<F>(points, bounces_left, paths, cache, traversal)
+}

@@ -1,0 +1,145 @@
+//! One path of the path tracer: its last ray, how that was sampled, and the weight of multiple importance sampling
+//! (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
+
+use crate::geometry::Hit;
+use crate::math::{NO_PRIMITIVE, Ray};
+use crate::sampling::Sequence;
+use crate::scene::Surface;
+use std::f32::consts::PI;
+
+/// A path up to its last ray.
+#[derive(Clone, Copy)]
+pub(super) struct PathState {
+    pub(super) ray: Ray,
+    /// The random numbers of its film position.
+    pub(super) sequence: Sequence,
+    /// Bounces since the camera.
+    pub(super) depth: u32,
+    /// Diffuse bounces among them.
+    pub(super) diffuse_bounces: usize,
+    /// Its index among the paths of this depth with the same sequence.
+    pub(super) index: u32,
+    /// How the direction of the ray was sampled.
+    pub(super) technique: Technique,
+}
+
+/// How a direction was sampled.
+///
+/// Near lights there are two techniques: by the cosine, or towards points that are traced from lights. Light is
+/// divided by the pdf of the mixture, whichever technique was chosen: multiple importance sampling by the balance
+/// heuristic, here of the first two vertices of a path from the light (Veach 1997, "Robust Monte Carlo Methods for
+/// Light Transport Simulation", chapter 10).
+#[derive(Clone, Copy)]
+pub(super) enum Technique {
+    /// The only technique: camera and mirror rays, and diffuse rays without guiding lights.
+    Only,
+    /// By the cosine, one of two techniques.
+    Cosine {
+        /// Its pdf over solid angle.
+        pdf: f32,
+    },
+    /// Towards a point that is traced from a light.
+    Guided {
+        /// The pdf of cosine sampling in that direction, over solid angle.
+        cosine_pdf: f32,
+        /// The primitive of the point.
+        primitive: u32,
+        /// The distance to the point.
+        distance: f64,
+    },
+}
+
+impl Technique {
+    /// Guided, before the point is known: the ray still leaves the light.
+    pub(super) const UNCONNECTED: Technique = Technique::Guided {
+        cosine_pdf: 0.0,
+        primitive: NO_PRIMITIVE,
+        distance: 0.0,
+    };
+
+    /// The probability of the guided technique: see [`Sequence::choose_technique`].
+    const GUIDE_FRACTION: f32 = 0.25;
+}
+
+impl PathState {
+    /// Connects `surface` to the point where this path's ray, which leaves a light, hits. None if the point lies
+    /// below the surface's horizon.
+    pub(super) fn connect(&self, surface: &Surface, hit: &Hit) -> Option<PathState> {
+        let to_point = self.ray.at(hit.t) - surface.point.position.as_dvec3();
+        let distance = to_point.length();
+        let direction = (to_point / distance).as_vec3();
+        let cosine = direction.dot(surface.point.shading_normal);
+        let is_above = cosine > 0.0 && direction.dot(surface.point.geometric_normal) > 0.0;
+        is_above.then(|| PathState {
+            ray: surface.point.spawn_ray(direction),
+            technique: Technique::Guided {
+                cosine_pdf: cosine / PI,
+                primitive: hit.primitive,
+                distance,
+            },
+            ..*self
+        })
+    }
+
+    /// The pdf of cosine sampling over that of the mixture. `hit` is what the ray hits, `guide_pdf` the pdf of
+    /// guided points there, over area. Zero if the ray was connected to a point and hits another.
+    pub(super) fn weight(&self, hit: Option<(&Hit, &Surface)>, guide_pdf: f32) -> f32 {
+        /// Relative tolerance: more than rounding, less than the distance to a sphere's far side except at its
+        /// silhouette.
+        const SAME_DISTANCE: f64 = 1e-3;
+        let cosine_pdf = match self.technique {
+            Technique::Only => return 1.0,
+            Technique::Cosine { pdf } => pdf,
+            Technique::Guided {
+                cosine_pdf,
+                primitive,
+                distance,
+            } => {
+                let is_connected = hit.is_some_and(|(hit, _)| {
+                    hit.primitive == primitive
+                        && (hit.t - distance).abs() <= SAME_DISTANCE * distance
+                });
+                if !is_connected || guide_pdf == 0.0 {
+                    return 0.0;
+                }
+                cosine_pdf
+            }
+        };
+        let guided_pdf = hit.map_or(0.0, |(_, surface)| {
+            let distance_squared = (surface.point.position - self.ray.origin).length_squared();
+            let cos = -surface.point.geometric_normal.dot(self.ray.direction);
+            guide_pdf * distance_squared / cos
+        });
+        let mixture_pdf =
+            (1.0 - Technique::GUIDE_FRACTION) * cosine_pdf + Technique::GUIDE_FRACTION * guided_pdf;
+        // The pdf of a direction along the horizon is zero.
+        if mixture_pdf > 0.0 {
+            cosine_pdf / mixture_pdf
+        } else {
+            0.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn directions_along_the_horizon_have_no_weight() {
+        let weight = |pdf| {
+            let path = PathState {
+                ray: Ray::new(Vec3::ZERO, Vec3::X),
+                sequence: Sequence::new(0, 0, 0, 0),
+                depth: 1,
+                diffuse_bounces: 1,
+                index: 0,
+                technique: Technique::Cosine { pdf },
+            };
+            path.weight(None, 0.0)
+        };
+        assert_eq!(weight(0.0), 0.0);
+        assert_eq!(weight(0.3), 1.0 / 0.75);
+    }
+}

@@ -1,0 +1,99 @@
+//! Recursive ray tracing with mirrors (Whitted 1980, "An Improved Illumination Model for Shaded Display"), one
+//! wavefront of reflected rays after the other.
+
+use super::direct::direct_lighting_coherent;
+use super::{ambient, coherent_surfaces, reflect};
+use crate::accel::Traversal;
+use crate::material::Features;
+use crate::math::Ray;
+use crate::scene::{Scene, Surface};
+use glam::Vec3;
+
+/// Rays of the same number of reflections; all lists are of one length.
+pub(super) struct Wavefront {
+    pub(super) rays: Vec<Ray>,
+    /// The index of the camera sample that each ray belongs to.
+    pub(super) samples: Vec<usize>,
+    /// The throughput from each ray to its camera sample.
+    pub(super) throughputs: Vec<Vec3>,
+    /// What each ray hits.
+    pub(super) surfaces: Vec<Option<Surface>>,
+    /// The direct light that is reflected there.
+    pub(super) direct: Vec<Vec3>,
+    /// How many more bounces are computed.
+    pub(super) bounces_left: u32,
+}
+
+impl Wavefront {
+    /// Camera rays.
+    pub(super) fn of_camera(
+        rays: Vec<Ray>,
+        surfaces: Vec<Option<Surface>>,
+        direct: Vec<Vec3>,
+        bounces_left: u32,
+    ) -> Wavefront {
+        Wavefront {
+            samples: (0..rays.len()).collect(),
+            throughputs: vec![Vec3::ONE; rays.len()],
+            rays,
+            surfaces,
+            direct,
+            bounces_left,
+        }
+    }
+}
+
+/// The radiance along camera rays: base (1 - reflective) + reflective * (radiance of the mirrored ray), where base is
+/// the direct light plus the diffuse reflection of the indirect light, which `indirect` gives for each ray of a
+/// wavefront.
+///
+/// Rays of one wavefront are traced together: neighbours mostly hit the same mirror.
+pub(super) fn radiance<F: Features>(
+    scene: &Scene,
+    mut wavefront: Wavefront,
+    indirect: impl Fn(&Wavefront, &mut Traversal) -> Vec<Vec3>,
+    traversal: &mut Traversal,
+    radiance: &mut [Vec3],
+) {
+    radiance.fill(Vec3::ZERO);
+    loop {
+        let indirect = indirect(&wavefront, traversal);
+        let mut rays = Vec::new();
+        let mut samples = Vec::new();
+        let mut throughputs = Vec::new();
+        for (i, &sample) in wavefront.samples.iter().enumerate() {
+            let throughput = wavefront.throughputs[i];
+            let sum = &mut radiance[sample];
+            let Some(surface) = &wavefront.surfaces[i] else {
+                *sum += throughput * scene.background;
+                continue;
+            };
+            let reflectance = &surface.reflectance;
+            let base = indirect[i] * reflectance.diffuse + wavefront.direct[i];
+            *sum += throughput * reflectance.base_weight::<F>() * base;
+            let throughput = throughput * reflectance.mirror::<F>();
+            if throughput == Vec3::ZERO {
+                continue;
+            }
+            if wavefront.bounces_left == 0 {
+                *sum += throughput * ambient(scene);
+            } else {
+                rays.push(reflect(surface, &wavefront.rays[i]));
+                samples.push(sample);
+                throughputs.push(throughput);
+            }
+        }
+        if rays.is_empty() {
+            return;
+        }
+        let surfaces = coherent_surfaces::<F>(scene, &rays, traversal);
+        wavefront = Wavefront {
+            direct: direct_lighting_coherent::<F>(scene, &surfaces, &rays, traversal),
+            rays,
+            samples,
+            throughputs,
+            surfaces,
+            bounces_left: wavefront.bounces_left - 1,
+        };
+    }
+}

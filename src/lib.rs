@@ -21,7 +21,8 @@
 //! | 7 | [`input`], [`frames`], [`selftest`] | each other, the command line |
 //! | 8 | [`camera_formats`] | frames, the command line |
 //! | 9 | [`report`], [`forecast`] | each other, the command line |
-//! | 10 | [`cli`] | the mathematics |
+//! | 10 | [`job`] | terminals |
+//! | 11 | [`cli`] | the mathematics |
 
 pub mod accel;
 pub mod bake;
@@ -36,6 +37,7 @@ pub mod geometry;
 pub mod input;
 pub mod integrator;
 pub mod irradiance_cache;
+pub mod job;
 pub mod light;
 pub mod material;
 pub mod math;

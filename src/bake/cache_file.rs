@@ -18,6 +18,8 @@ pub struct CacheFile {
     file: PathBuf,
     /// A hash of all that decides the light but for the paths: scene, settings, program version.
     fingerprint: blake3::Hash,
+    /// The same for other builds of the program whose caches count as this one's.
+    accepted: Vec<blake3::Hash>,
 }
 
 /// Why a file of light cannot be used.
@@ -67,11 +69,12 @@ pub enum CacheFileError {
 }
 
 impl CacheFile {
-    /// A file that is there or will be.
-    pub fn new(file: &Path, fingerprint: blake3::Hash) -> CacheFile {
+    /// A file that is there or will be. What is written has the first hash; what is read may have any of them.
+    pub fn new(file: &Path, fingerprint: blake3::Hash, accepted: Vec<blake3::Hash>) -> CacheFile {
         CacheFile {
             file: file.to_owned(),
             fingerprint,
+            accepted,
         }
     }
 
@@ -110,7 +113,8 @@ impl CacheFile {
             return Err(damaged());
         }
         let (fingerprint, light) = content.split_at_checked(HASH).ok_or_else(damaged)?;
-        if self.fingerprint.as_bytes() != fingerprint {
+        let is_it = |hash: &blake3::Hash| hash.as_bytes() == fingerprint;
+        if !is_it(&self.fingerprint) && !self.accepted.iter().any(is_it) {
             return Err(CacheFileError::Other {
                 file: self.file.clone(),
             });

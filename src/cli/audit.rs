@@ -1,48 +1,82 @@
-use super::args::AuditArguments;
+//! `audit`: renders some frames of a folder again and compares them byte for byte.
+
+use super::bake::bake;
 use super::interrupt::Interrupt;
-use super::recorded::job_of;
+use super::job_args::RecordedJobArguments;
+use super::progress::SequenceProgress;
+use super::values::{ProgressArgument, SampleSize};
 use super::verify::verify;
-use super::{Failure, Status};
-use crate::frames::FrameFolder;
+use super::{Failure, Status, say, warn};
+use crate::frames::{FrameFolder, SequenceRecord};
+use crate::job::open_folder;
 use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
+use clap::Args;
 use std::fs;
-use std::io::Write;
-use std::path::absolute;
+use std::path::{PathBuf, absolute};
+
+/// Render some frames of a folder again, and compare them byte for byte
+///
+/// They are rendered by the job that is recorded in the folder, with its irradiance cache as it is. So a machine of a farm
+/// that renders other pixels than this one is found.
+///
+/// Exit status: 0 all are the same; 2 not a folder of frames, or its inputs have changed; 3 some are not the same.
+#[derive(Debug, Args)]
+pub(super) struct AuditArguments {
+    /// Folder of the frames
+    folder: PathBuf,
+    /// How many frames, as in 1% or 5; at least one
+    #[arg(long, value_name = "N", default_value = "1%")]
+    sample: SampleSize,
+    /// Chooses other frames
+    #[arg(long, value_name = "N", default_value = "0")]
+    seed: u64,
+    #[command(flatten)]
+    inputs: RecordedJobArguments,
+    /// How progress is shown
+    #[arg(long, value_enum, default_value = "auto")]
+    progress: ProgressArgument,
+    /// No progress and no summary
+    #[arg(short, long)]
+    quiet: bool,
+}
 
 pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<Status, Failure> {
     let out = absolute(&arguments.folder)?;
-    let folder = FrameFolder::open(&out)?;
-    let mut job = job_of(&folder, arguments.threads)?;
-    if !FrameFolder::new(&out, job.sequence()?, false).has_its_sequence() {
+    let folder = open_folder(&out, &arguments.inputs.accepted_builds)?;
+    let mut job = arguments.inputs.job_of(&folder)?;
+    warn(&job.inputs().scene.warnings);
+    let sequence = job.sequence(&out)?;
+    if sequence.input_hashes != folder.sequence().input_hashes {
         let out = out.display();
         return Err(format!(
             "{out}: scene, path or what they name have changed since; render the sequence again"
         )
         .into());
     }
+    let folder = FrameFolder::new(&out, sequence, false);
     let all: Vec<u32> = (0..job.frame_count()).collect();
-    let pool = &job.loaded.pool;
-    let proofs = pool.install(|| verify(&folder, &all, arguments.quiet));
-    let proven = proofs
+    let pool = &job.inputs().pool;
+    let verified = pool.install(|| verify(&folder, &all, arguments.quiet));
+    let verified = verified
         .into_iter()
-        .filter_map(|(frame, proof)| proof.is_ok().then_some(frame));
-    let sample = chosen(proven.collect(), arguments);
+        .filter_map(|(frame, verified)| verified.is_ok().then_some(frame));
+    let sample = chosen(verified.collect(), arguments);
     if sample.is_empty() {
-        return Err(format!("{}: no frame is proven", out.display()).into());
+        return Err(format!("{}: no frame is verified", out.display()).into());
     }
-    job.bake(arguments.quiet)?;
+    bake(&mut job, arguments.quiet)?;
 
     let shown = arguments.progress.shown(arguments.quiet);
-    let outcome = job.render(&sample, &Comparison(&folder), shown, interrupt)?;
+    let progress = SequenceProgress::new(sample.len(), job.settings(), shown, interrupt);
+    let outcome = job.render(&sample, &Comparison(&folder), &progress);
+    progress.finish();
     if !arguments.quiet {
-        // Nobody has to read it: the exit status says what matters.
-        let _ = writeln!(
-            std::io::stdout(),
+        say(format_args!(
             "{} of {} frames rendered again are the same: {}",
             outcome.kept,
             sample.len(),
             out.display()
-        );
+        ));
     }
     Ok(if outcome.stopped {
         Status::Interrupted
@@ -74,8 +108,14 @@ impl FrameSink for Comparison<'_> {
         Ok(Claim::Granted(()))
     }
 
+    /// As the build did that the frame says it is of.
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
-        self.0.encode(frame, rendered)
+        let record = self.0.record(frame).ok_or("its record is gone")?;
+        let sequence = SequenceRecord {
+            build: record.build,
+            ..self.0.sequence().clone()
+        };
+        sequence.encode(frame, rendered)
     }
 
     fn keep(&self, frame: u32, (): (), encoded: &EncodedFrame) -> Result<(), SinkError> {

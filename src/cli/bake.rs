@@ -1,23 +1,117 @@
-use super::args::BakeArguments;
-use super::light::{LightStore, PathLight};
-use super::loading::load;
-use super::{Failure, Status};
-use crate::input::{GlobalIllumination, Mode, Settings};
+//! `bake`: the irradiance cache of a camera path, for jobs that share it; and what other commands say when they bake.
+
+use super::job_args::{InputArguments, SettingsArguments, ThreadsArgument};
+use super::progress::{ShareProgress, clock};
+use super::{Failure, Status, say, warn};
+use crate::bake::Baked;
+use crate::job::{BakeOutcome, Job, JobOptions, Spec};
+use crate::render::{ErrorEstimate, RenderSettings};
+use clap::Args;
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Bake the irradiance cache of a camera path into a file, for render --gi-cache
+///
+/// An existing cache is reused: if it holds other paths through the same scene, with the same settings, what this path
+/// needs is added.
+///
+/// Of the settings, size, bounces, seed and target error decide the cache; renderings that share it set the same.
+///
+/// Exit status: 0 success, 2 wrong input or usage.
+#[derive(Debug, Args)]
+pub(super) struct BakeArguments {
+    #[command(flatten)]
+    input: InputArguments,
+    /// File for the irradiance cache
+    #[arg(short, long, value_name = "FILE")]
+    out: PathBuf,
+    #[command(flatten)]
+    settings: SettingsArguments,
+    #[command(flatten)]
+    threads: ThreadsArgument,
+    /// Bake anew if the file is damaged or a cache of something else
+    #[arg(long)]
+    force: bool,
+    /// No progress bar and no summary
+    #[arg(short, long)]
+    quiet: bool,
+}
 
 pub(super) fn run(arguments: &BakeArguments) -> Result<Status, Failure> {
-    let flags = arguments.settings.settings();
-    flags.check().map_err(|error| error.of_flag())?;
-    let loaded = load(&arguments.input, &arguments.threads)?;
-    let given = loaded.settings(flags);
-    let given = Settings {
-        mode: given.mode.or(Some(Mode::Montecarlo)),
-        gi: Some(GlobalIllumination::Cached),
-        ..given
+    let spec = Spec {
+        irradiance_cache: Some(arguments.out.clone()),
+        settings: arguments.settings.settings(),
+        ..Spec::new(&arguments.input.scene, &arguments.input.path)
     };
-    given.check_together()?;
-    let settings = given.resolve(loaded.path.path.timeline().frame_count());
-    let store = LightStore::Shared(arguments.out.clone());
-    let light = PathLight::open(store, &loaded, &settings, arguments.force)?;
-    light.bake(&loaded, &settings, arguments.quiet)?;
+    let options = JobOptions {
+        threads: arguments.threads.threads,
+        rebake: arguments.force,
+        accepted_builds: Vec::new(),
+    };
+    let mut job = Job::for_bake(spec, &options)?;
+    warn(&job.inputs().scene.warnings);
+    bake(&mut job, arguments.quiet)?;
     Ok(Status::Done)
+}
+
+/// Bakes the irradiance cache of a job if its frames need one, and says what it took.
+pub(super) fn bake(job: &mut Job, quiet: bool) -> Result<(), Failure> {
+    let start = Instant::now();
+    let progress = ShareProgress::new(quiet);
+    let settings = job.settings().clone();
+    let outcome = job.bake(&|done, what| progress.at(done, what));
+    progress.finish();
+    let Some(BakeOutcome {
+        baked,
+        was_complete,
+    }) = outcome?
+    else {
+        return Ok(());
+    };
+    if !quiet {
+        let what = match was_complete {
+            true => "read",
+            false => "baked",
+        };
+        say(format_args!(
+            "irradiance cache {what} in {}",
+            clock(start.elapsed())
+        ));
+        say(format_args!("{}", summary(baked)));
+    }
+    if let Some(warning) = shortfall(baked, &settings) {
+        warn(&[warning]);
+    }
+    Ok(())
+}
+
+/// How large the cache is, and its error.
+fn summary(baked: &Baked) -> String {
+    let [primary, secondary] = baked.cache.place_count();
+    let megabytes = baked.cache.memory() as f64 / 1e6;
+    let mut summary =
+        format!("  {primary} primary, {secondary} secondary records, {megabytes:.1} MB in memory");
+    let errors = || (0..).zip(baked.errors.iter());
+    let of = |error: &ErrorEstimate| error.relative_square_error;
+    if let Some((frame, worst)) = errors().max_by(|a, b| of(a.1).total_cmp(&of(b.1))) {
+        let mean = errors().map(|(_, e)| of(e)).sum::<f64>() / errors().count() as f64;
+        let [low, high] = worst.interval();
+        summary += &format!(
+            "\n  cache error (relMSE) {mean:.2e} on average, at worst {:.2e} ({low:.2e} to {high:.2e}) around frame \
+             {frame}",
+            of(worst)
+        );
+    }
+    summary
+}
+
+/// What to say of a cache whose error leaves too little room for the target error.
+fn shortfall(baked: &Baked, settings: &RenderSettings) -> Option<String> {
+    let target = settings.target_error.filter(|_| !baked.reaches_target)?;
+    let errors = baked.errors.iter();
+    let worst = errors.map(|error| error.interval()[1]).fold(0.0, f64::max);
+    Some(format!(
+        "the cache error, up to {worst:.2e}, leaves too little room for the target error of {target}; \
+         --gi path-traced has no such limit"
+    ))
 }

@@ -1,11 +1,33 @@
-use super::args::CheckArguments;
-use super::loading::pool;
+//! `check`: loads a scene and a camera path, and says what is there and what is wrong with the move.
+
+use super::job_args::{InputArguments, ThreadsArgument};
+use super::values::parse_distance;
 use super::{Failure, Status, warn};
 use crate::camera_formats::load_camera_path;
 use crate::input::{InputFiles, load_scene};
+use crate::job::pool;
 use crate::preflight::preflight;
+use clap::Args;
 use glam::DVec3;
 use std::io::Write;
+
+/// Check a scene and a camera path, render nothing
+///
+/// Loads both, prints what is there, and warns of the path, with frame numbers: where the camera is inside or passes through
+/// something or comes too near, where its speed or its turning jumps or is out of proportion, where what is seen moves so
+/// fast that it strobes, where look_at makes the picture spin, and whether a closed path has a seam.
+///
+/// Exit status: 0 both can be rendered, whatever the warnings; 2 wrong input or usage.
+#[derive(Debug, Args)]
+pub(super) struct CheckArguments {
+    #[command(flatten)]
+    input: InputArguments,
+    /// How many metres the camera should stay away from surfaces
+    #[arg(long, value_name = "METRES", default_value = "0.1", value_parser = parse_distance)]
+    near: f64,
+    #[command(flatten)]
+    threads: ThreadsArgument,
+}
 
 pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     let mut files = InputFiles::default();
@@ -57,7 +79,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     writeln!(out, "mode       {}", settings.mode.unwrap_or_default())?;
     writeln!(out, "size       {}x{}", resolved.width, resolved.height)?;
     let (width, height) = (resolved.width, resolved.height);
-    let pool = pool(&arguments.threads)?;
+    let pool = pool(arguments.threads.threads)?;
     let near = arguments.near;
     let findings = pool.install(|| preflight(scene, &path.path, width, height, near));
     let findings = findings.iter().map(|finding| finding.to_string());

@@ -6,11 +6,8 @@ mod audit;
 mod bake;
 mod check;
 mod frames;
-mod input_args;
 mod interrupt;
-mod job;
-mod light;
-mod loading;
+mod job_args;
 mod missing;
 mod path;
 mod path_args;
@@ -19,18 +16,19 @@ mod path_import;
 mod path_plot;
 mod progress;
 mod quote;
-mod recorded;
 mod render;
 mod report;
 mod selftest;
 mod sheet;
+mod status;
 mod values;
 mod verify;
 
 use args::{Arguments, Command};
 use clap::Parser;
 use interrupt::Interrupt;
-use std::io;
+use std::fmt;
+use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -66,6 +64,7 @@ pub fn run() -> ExitCode {
         Command::Verify(verify) => verify::run(&verify),
         Command::Missing(missing) => missing::run(&missing),
         Command::Sheet(sheet) => sheet::run(&sheet),
+        Command::Status(status) => status::run(&status),
         Command::Bake(bake) => bake::run(&bake),
         Command::Check(check) => check::run(&check),
         Command::Report(report) => report::run(&report),
@@ -103,6 +102,12 @@ fn keep(file: &Path, force: bool) -> Result<(), Failure> {
 /// That a file is written, or why it is not.
 fn written(file: &Path, result: io::Result<()>) -> Result<(), Failure> {
     result.map_err(|error| format!("{}: cannot be written: {error}", file.display()).into())
+}
+
+/// Prints a line of a result. Where the exit status says what matters, nobody has to read it: that nobody does is no
+/// error.
+fn say(line: fmt::Arguments) {
+    let _ = writeln!(io::stdout(), "{line}");
 }
 
 fn warn(warnings: &[String]) {

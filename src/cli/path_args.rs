@@ -1,4 +1,4 @@
-use super::input_args::{InputArguments, ThreadsArgument};
+use super::job_args::{InputArguments, ThreadsArgument};
 use super::values::parse_size;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;

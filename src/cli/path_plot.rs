@@ -1,8 +1,8 @@
-use super::loading::load;
 use super::path_args::PlotArguments;
-use super::{Failure, Status, written};
+use super::{Failure, Status, warn, written};
 use crate::drawing::path_plot::plot;
 use crate::input::Settings;
+use crate::job::Inputs;
 use crate::storage::write_atomic;
 
 pub(super) fn run(arguments: &PlotArguments) -> Result<Status, Failure> {
@@ -20,7 +20,9 @@ pub(super) fn run(arguments: &PlotArguments) -> Result<Status, Failure> {
         ..Settings::default()
     };
     flags.check().map_err(|error| error.of_flag())?;
-    let loaded = load(&arguments.input, &arguments.threads)?;
+    let input = &arguments.input;
+    let loaded = Inputs::load(&input.scene, &input.path, arguments.threads.threads)?;
+    warn(&loaded.scene.warnings);
     let settings = loaded.settings(flags).resolve(1);
     let aspect = f64::from(settings.width) / f64::from(settings.height);
     let title = arguments.input.path.file_stem().unwrap_or_default();

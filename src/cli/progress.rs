@@ -1,19 +1,10 @@
 use super::interrupt::Interrupt;
 use super::values::ProgressArgument;
-use crate::render::{FrameObserver, SequenceObserver, SinkError};
+use crate::render::{FrameObserver, RenderSettings, SequenceObserver, SinkError, tile_count};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-
-/// What the bar counts.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Steps {
-    /// So many in each frame.
-    Tiles(u64),
-    /// Frames that are finished.
-    Frames,
-}
 
 /// How progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,21 +50,26 @@ pub(super) struct SequenceProgress {
 }
 
 impl SequenceProgress {
+    /// The first signal from now on only asks for an end.
     pub(super) fn new(
-        frames: u64,
-        steps: Steps,
+        frames: usize,
+        settings: &RenderSettings,
         shown: Shown,
         interrupt: Interrupt,
     ) -> SequenceProgress {
-        let steps_per_frame = match steps {
-            Steps::Tiles(count) => count,
-            Steps::Frames => 1,
+        interrupt.wait_to_be_asked();
+        let frames = frames as u64;
+        // How many samples an adaptive frame will need is not known: it counts as a whole.
+        let steps_are_frames = settings.target_error.is_some();
+        let steps_per_frame = match steps_are_frames {
+            true => 1,
+            false => tile_count(settings),
         };
         SequenceProgress {
             bar: bar(frames * steps_per_frame, shown != Shown::Bar),
             shown,
             steps_per_frame,
-            steps_are_frames: matches!(steps, Steps::Frames),
+            steps_are_frames,
             frames: AtomicU64::new(frames),
             frames_kept: AtomicU64::new(0),
             rays: AtomicU64::new(0),

@@ -1,30 +1,63 @@
-use super::args::QuoteArguments;
-use super::job::Job;
-use super::progress::clock;
-use super::{Failure, Status, written};
-use crate::forecast::{Forecast, Quote, samples_within};
-use crate::frames::{FrameFolder, SequenceRecord};
-use crate::render::Outcome;
-use crate::storage::{PartFile, write_atomic};
-use serde::{Deserialize, Serialize};
-use std::fs;
+//! `quote`: time, disk and memory of a sequence, estimated before it is rendered.
+
+use super::job_args::JobArguments;
+use super::progress::{ShareProgress, clock};
+use super::values::parse_time;
+use super::{Failure, Status, warn};
+use crate::forecast::Forecast;
+use crate::job::{Accuracy, Job, SavedEstimate, make_folder};
+use clap::Args;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::PathBuf;
 use std::time::Duration;
+
+/// Estimate time, disk and memory of a sequence before rendering it
+///
+/// Renders a few frames of the path, small ones where whole ones would take long, and prints the expected totals on this
+/// machine with their 95 % confidence intervals. The irradiance cache of --gi cached is baked for it; with --out or
+/// --gi-cache it is kept, and costs nothing more.
+///
+/// With --out the estimate is kept, too, and render prints how far off it was.
+///
+/// Exit status: 0 success, 2 wrong input or usage.
+#[derive(Debug, Args)]
+pub(super) struct QuoteArguments {
+    #[command(flatten)]
+    job: JobArguments,
+    /// Folder that the frames will be rendered to
+    #[arg(short, long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Choose the camera samples of each pixel so that all frames take this time, as in 2h or 90min
+    #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with_all = ["samples", "target_error"])]
+    budget: Option<Duration>,
+    /// No progress bar
+    #[arg(short, long)]
+    quiet: bool,
+}
 
 pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
     let out = arguments.out.as_deref();
-    let mut job = Job::new(&arguments.job, false, out, false)?;
+    let mut job = Job::new(
+        arguments.job.spec(false),
+        out,
+        &arguments.job.options(false),
+    )?;
+    warn(&job.inputs().scene.warnings);
     if let Some(out) = out {
-        make(out)?;
+        make_folder(out)?;
     }
-    let kept = Kept::new(&mut job, arguments.budget, out, arguments.quiet)?;
+    super::bake::bake(&mut job, arguments.quiet)?;
+    let progress = ShareProgress::new(arguments.quiet);
+    let listener = |done: f64, what: &'static str| progress.at(done, what);
+    let saved = SavedEstimate::new(&mut job, arguments.budget, out, &listener);
+    progress.finish();
+    let SavedEstimate {
+        choice, estimate, ..
+    } = saved?;
     let frames: Vec<u32> = (0..job.frame_count()).collect();
-    let quote = &kept.quote;
-    let seconds = quote.seconds(&frames);
-    let bytes = quote.bytes(&frames);
+    let seconds = estimate.seconds(&frames);
     let mut out = io::stdout().lock();
-    if let (Some(choice), Some(_)) = (&kept.choice, arguments.budget) {
+    if let (Some(choice), Some(_)) = (&choice, arguments.budget) {
         writeln!(
             out,
             "samples  {} of each pixel (--samples {0})",
@@ -35,198 +68,42 @@ pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
         out,
         "time     {} on {} threads, {} frames of {:.2} s",
         in_time(seconds),
-        quote.threads,
+        estimate.threads,
         frames.len(),
         seconds.expected / frames.len() as f64
     )?;
-    writeln!(out, "disk     {}", in_bytes(bytes))?;
-    writeln!(out, "memory   {}", in_bytes(quote.memory))?;
+    writeln!(out, "disk     {}", in_bytes(estimate.bytes(&frames)))?;
+    writeln!(out, "memory   {}", in_bytes(estimate.memory))?;
     Ok(Status::Done)
 }
 
-/// What was quoted for the frames of a folder, as it is kept there.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(rename = "Quote")]
-pub(super) struct Kept {
-    /// A hash of what all frames were to be made from.
-    of: String,
-    choice: Option<Choice>,
-    quote: Quote,
-}
-
-/// Samples that were chosen for a budget.
-#[derive(Debug, Serialize, Deserialize)]
-struct Choice {
-    samples: u32,
-    /// In seconds.
-    budget: f64,
-    /// As `of` in [`Kept`], but that each pixel has one sample.
-    of_one_sample: String,
-}
-
-impl Kept {
-    const FILE: &str = "quote.ron";
-
-    /// Renders a few frames of a job, gives it the samples that a budget allows, and keeps what is expected beside
-    /// the frames, in a folder that is there.
-    pub(super) fn new(
-        job: &mut Job,
-        budget: Option<Duration>,
-        out: Option<&Path>,
-        quiet: bool,
-    ) -> Result<Kept, Failure> {
-        if budget.is_some() && job.settings.target_error.is_some() {
-            return Err(
-                "--budget: the target error of the scene or the path decides on samples".into(),
-            );
-        }
-        job.bake(quiet)?;
-        let memory = resident().map_or(0.0, |[now, _]| now);
-        let sequence = job.sequence()?;
-        let (quote, choice) = match budget {
-            // What was chosen before stays: frames are made of it.
-            None => {
-                let choice = out.and_then(Kept::read).and_then(|kept| kept.choice);
-                let quote = Quote::new(job.stage(&sequence), &job.renderer()?, memory);
-                (quote, choice)
-            }
-            Some(budget) => {
-                let seconds = budget.as_secs_f64();
-                let within =
-                    samples_within(job.stage(&sequence), &job.renderer()?, seconds, memory);
-                let (samples, quote) = within.ok_or_else(|| {
-                    let budget = clock(budget);
-                    format!("--budget: one sample of each pixel takes longer than {budget}")
-                })?;
-                job.take_samples(1);
-                let of_one_sample = hash(&job.sequence()?);
-                job.take_samples(samples);
-                let choice = Choice {
-                    samples,
-                    budget: seconds,
-                    of_one_sample,
-                };
-                (quote, Some(choice))
-            }
-        };
-        let kept = Kept {
-            of: hash(&job.sequence()?),
-            choice,
-            quote,
-        };
-        if let Some(out) = out {
-            let pretty = ron::ser::PrettyConfig::new().struct_names(true);
-            let text = ron::ser::to_string_pretty(&kept, pretty)?;
-            let file = out.join(Kept::FILE);
-            written(&file, write_atomic(&file, text.as_bytes()))?;
-        }
-        Ok(kept)
-    }
-
-    fn read(out: &Path) -> Option<Kept> {
-        let text = fs::read_to_string(out.join(Kept::FILE)).ok()?;
-        ron::from_str(&text).ok()
-    }
-}
-
-/// Gives a job the samples that were chosen for a budget when its folder was first rendered to. False if none were.
-pub(super) fn choose_again(job: &mut Job, budget: Duration, out: &Path) -> Result<bool, Failure> {
-    job.take_samples(1);
-    let of_one_sample = hash(&job.sequence()?);
-    let choice = Kept::read(out).and_then(|kept| kept.choice);
-    let is_it = |choice: &Choice| {
-        choice.budget == budget.as_secs_f64() && choice.of_one_sample == of_one_sample
-    };
-    let Some(choice) = choice.filter(is_it) else {
-        return Ok(false);
-    };
-    job.take_samples(choice.samples);
-    Ok(true)
-}
-
-/// Gives a job the samples that a budget allows: those that were chosen before, or else as many as it allows now.
-pub(super) fn keep_within(
-    job: &mut Job,
-    budget: Duration,
-    out: &Path,
-    quiet: bool,
-) -> Result<(), Failure> {
-    make(out)?;
-    if choose_again(job, budget, out)? {
-        return Ok(());
-    }
-    // Whoever else begins at the same time waits for the choice of the first.
-    let _turn = PartFile::claim_in_turn(&out.join(Kept::FILE), Duration::MAX)?;
-    if choose_again(job, budget, out)? {
-        return Ok(());
-    }
-    let kept = Kept::new(job, Some(budget), Some(out), quiet)?;
-    if let (Some(choice), false) = (kept.choice, quiet) {
-        let budget = clock(budget);
-        // Nobody has to read it.
-        let _ = writeln!(
-            io::stdout(),
-            "{} samples of each pixel fit into {budget}",
-            choice.samples
-        );
-    }
-    Ok(())
-}
-
-/// Holds what was quoted for a folder's frames against what they took; none if nothing was, or if they were not
-/// all rendered here.
-pub(super) fn score(
-    folder: &FrameFolder,
-    rendered: &[u32],
-    outcome: &Outcome,
-    threads: usize,
-    elapsed: Duration,
-) -> Option<String> {
-    let Kept { of, quote, .. } = Kept::read(folder.path())?;
-    let is_whole = outcome.kept as usize == rendered.len() && !rendered.is_empty();
-    if of != hash(folder.sequence()) || quote.threads != threads || !is_whole {
-        return None;
-    }
-    let seconds = quote.seconds(rendered);
-    let bytes = quote.bytes(rendered);
-    let off = |quoted: Forecast, actual: f64| {
-        let percent = 100.0 * (actual / quoted.expected - 1.0);
-        let within = (quoted.low..=quoted.high).contains(&actual);
+/// What a sequence was estimated to take, and how far off that was.
+pub(super) fn accuracy_lines(accuracy: &Accuracy) -> Vec<String> {
+    let off = |(estimated, actual): (Forecast, f64)| {
+        let percent = 100.0 * (actual / estimated.expected - 1.0);
+        let within = (estimated.low..=estimated.high).contains(&actual);
         format!("{percent:+.1} %{}", if within { "" } else { ", OUTSIDE" })
     };
-    let mut lines = format!(
-        "quoted {}: {}\nquoted {}: {}",
-        in_time(seconds),
-        off(seconds, elapsed.as_secs_f64()),
-        in_bytes(bytes),
-        off(bytes, outcome.bytes as f64)
-    );
-    if let Some([_, most]) = resident() {
-        let memory = in_bytes(quote.memory);
-        lines += &format!("\nquoted {memory} of memory: {}", off(quote.memory, most));
+    let mut lines = vec![
+        format!(
+            "estimated {}: {}",
+            in_time(accuracy.seconds.0),
+            off(accuracy.seconds)
+        ),
+        format!(
+            "estimated {}: {}",
+            in_bytes(accuracy.bytes.0),
+            off(accuracy.bytes)
+        ),
+    ];
+    if let Some(memory) = accuracy.memory {
+        lines.push(format!(
+            "estimated {} of memory: {}",
+            in_bytes(memory.0),
+            off(memory)
+        ));
     }
-    Some(lines)
-}
-
-/// Makes a folder if it is not there.
-fn make(out: &Path) -> Result<(), Failure> {
-    fs::create_dir_all(out).map_err(|error| format!("{}: {error}", out.display()).into())
-}
-
-/// A hash of what all frames are to be made from.
-fn hash(sequence: &SequenceRecord) -> String {
-    blake3::hash(sequence.input_hash.concat().as_bytes()).to_string()
-}
-
-/// Bytes of memory that the process has now, and the most that it had; none where the system does not say.
-fn resident() -> Option<[f64; 2]> {
-    let status = fs::read_to_string("/proc/self/status").ok()?;
-    let kilobytes = |name: &str| {
-        let line = status.lines().find_map(|line| line.strip_prefix(name))?;
-        let number: f64 = line.split_whitespace().next()?.parse().ok()?;
-        Some(1024.0 * number)
-    };
-    Some([kilobytes("VmRSS:")?, kilobytes("VmHWM:")?])
+    lines
 }
 
 fn in_time(seconds: Forecast) -> String {

@@ -1,54 +1,121 @@
-use super::args::RenderArguments;
-use super::frames::coarse_to_fine;
+//! `render`: the frames of a camera path.
+
+use super::bake::bake;
+use super::frames::{FrameRanges, coarse_to_fine};
 use super::interrupt::Interrupt;
-use super::job::Job;
-use super::progress::{clock, rays_per_second};
-use super::quote::{keep_within, score};
-use super::recorded::is_preview;
+use super::job_args::JobArguments;
+use super::progress::{SequenceProgress, ShareProgress, clock, rays_per_second};
+use super::quote::accuracy_lines;
 use super::sheet::draw;
-use super::values::{OrderArgument, PrepareArgument};
+use super::values::{OrderArgument, PrepareArgument, ProgressArgument, parse_time};
 use super::verify::verify;
-use super::{Failure, Status, warn};
+use super::{Failure, Status, say, warn};
 use crate::camera::FrameCameras;
+use crate::camera_formats::camera_table;
 use crate::frames::{FrameFolder, Manifest, VerifyError};
+use crate::job::{Job, SavedEstimate, Spec, keep_within};
 use crate::render::{ErrorEstimate, Outcome};
-use std::io::Write;
+use clap::Args;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
+
+/// Render the frames of a camera path
+///
+/// Settings may also stand in the scene or the path file; the path's win over the scene's, and a flag wins over both.
+///
+/// Existing frames are verified: each carries a hash of its pixels and of all its inputs. Frames that are whole, unchanged
+/// and made from the same inputs are kept, all others are rendered again. So the same command continues an interrupted run,
+/// and several processes, on one machine or many, may share a folder.
+///
+/// Exit status: 0 success, all frames are there; 2 wrong input or usage (trying again cannot help); 3 some frames failed (it
+/// may); 75 interrupted by SIGTERM or Ctrl-C (the same command continues).
+#[derive(Debug, Args)]
+pub(super) struct RenderArguments {
+    #[command(flatten)]
+    pub(super) job: JobArguments,
+    /// Folder for the frames: frame_00000.png onward
+    #[arg(short, long, value_name = "DIR")]
+    out: PathBuf,
+    /// Frames to render, as in 0-99:2,120 [default: all]
+    #[arg(short, long, value_name = "RANGES")]
+    frames: Option<FrameRanges>,
+    /// Choose the camera samples of each pixel so that all frames of the path take this time, as in 2h or 90min, on this
+    /// machine; the choice is kept in the folder
+    #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with_all = ["samples", "target_error", "aov"])]
+    budget: Option<Duration>,
+    /// Preview the camera move: frames of 320 columns, ray traced, one sample in the middle of each pixel, whatever the
+    /// files set. They go to DIR/preview, with a contact sheet, sheet.png; frames in DIR stay as they are
+    #[arg(long, conflicts_with_all = [
+        "mode", "size", "samples", "splits", "target_error", "gi", "gi_cache", "budget", "aov", "prepare",
+    ])]
+    preview: bool,
+    /// Order of the frames
+    #[arg(long, value_enum, default_value = "sequential")]
+    order: OrderArgument,
+    /// Render nothing, only prepare the folder for other processes
+    #[arg(long, value_enum, value_name = "WHAT")]
+    prepare: Option<PrepareArgument>,
+    /// Render frames even if they are there already
+    #[arg(long)]
+    force: bool,
+    /// How progress is shown
+    #[arg(long, value_enum, default_value = "auto")]
+    progress: ProgressArgument,
+    /// No progress and no summary
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+impl RenderArguments {
+    /// The folder of the frames.
+    fn folder(&self) -> PathBuf {
+        match self.preview {
+            true => self.out.join("preview"),
+            false => self.out.clone(),
+        }
+    }
+}
 
 pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<Status, Failure> {
     let out = arguments.folder();
     if arguments.preview
         && let Ok(there) = FrameFolder::open(&out)
-        && !is_preview(&there)
+        && !Spec::of_folder(&there).is_ok_and(|spec| spec.preview)
     {
         let out = out.display();
         return Err(format!("{out}: holds other frames than a preview; use another --out").into());
     }
-    let mut job = Job::new(
-        &arguments.job,
-        arguments.preview,
-        Some(&out),
-        arguments.force,
-    )?;
+    let spec = arguments.job.spec(arguments.preview);
+    let options = arguments.job.options(arguments.force);
+    let mut job = Job::new(spec, Some(&out), &options)?;
+    warn(&job.inputs().scene.warnings);
     let count = job.frame_count();
     let frames = match &arguments.frames {
         None => (0..count).collect(),
         Some(ranges) => ranges.of_path(count)?,
     };
     if let Some(budget) = arguments.budget {
-        keep_within(&mut job, budget, &out, arguments.quiet)?;
+        let progress = ShareProgress::new(arguments.quiet);
+        let choice = keep_within(&mut job, budget, &out, &|done, what| {
+            progress.at(done, what)
+        });
+        progress.finish();
+        if let (Some(choice), false) = (choice?, arguments.quiet) {
+            let budget = clock(budget);
+            say(format_args!(
+                "{} samples of each pixel fit into {budget}",
+                choice.samples
+            ));
+        }
     }
-    let folder = FrameFolder::new(&out, job.sequence()?, arguments.force);
+    let folder = FrameFolder::new(&out, job.sequence(&out)?, arguments.force);
     if arguments.prepare == Some(PrepareArgument::Sequence) {
         folder.prepare()?;
         return Ok(Status::Done);
     }
     let mut missing = match arguments.force {
         true => frames.clone(),
-        false => job
-            .loaded
-            .pool
-            .install(|| missing(&folder, &frames, arguments.quiet)),
+        false => (job.inputs().pool).install(|| missing(&folder, &frames, arguments.quiet)),
     };
     if !missing.is_empty() || !folder.has_its_sequence() {
         folder.prepare()?;
@@ -58,7 +125,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
             // It shows other frames, if this is interrupted.
             let _ = std::fs::remove_file(folder.sheet());
         }
-        job.bake(arguments.quiet)?;
+        bake(&mut job, arguments.quiet)?;
     }
     if arguments.prepare == Some(PrepareArgument::Cache) {
         return Ok(Status::Done);
@@ -69,32 +136,30 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
 
     let shown = arguments.progress.shown(arguments.quiet);
     let start = Instant::now();
-    let outcome = job.render(&missing, &folder, shown, interrupt)?;
+    let progress = SequenceProgress::new(missing.len(), job.settings(), shown, interrupt);
+    let outcome = job.render(&missing, &folder, &progress);
+    progress.finish();
     let elapsed = start.elapsed();
 
-    let cameras = FrameCameras::of(&job.loaded.path.path);
     let is_anothers = folder.has_another_sequence();
-    let is_listed = is_anothers || list(&folder, &cameras, !missing.is_empty());
+    let is_listed = is_anothers || list(&folder, &job, !missing.is_empty());
     if !arguments.quiet {
         let there = frames.len() - missing.len();
         summarise(&outcome, elapsed, there as u32, &folder);
-        let threads = job.loaded.pool.current_num_threads();
-        if let Some(score) = score(&folder, &missing, &outcome, threads, elapsed) {
-            // As the summary.
-            let _ = writeln!(std::io::stdout(), "{score}");
+        let threads = job.inputs().pool.current_num_threads();
+        let accuracy = SavedEstimate::accuracy(&folder, &missing, &outcome, threads, elapsed);
+        for line in accuracy.iter().flat_map(accuracy_lines) {
+            say(format_args!("{line}"));
         }
     }
     let is_shown = match arguments.preview && !outcome.stopped {
-        true => job
-            .loaded
-            .pool
-            .install(|| show(&folder, &frames, arguments.quiet)),
+        true => (job.inputs().pool).install(|| show(&folder, &frames, arguments.quiet)),
         false => true,
     };
-    warn(&shortcomings(&outcome, job.settings.target_error));
+    warn(&shortcomings(&outcome, job.settings().target_error));
     if is_anothers {
         warn(&[format!(
-            "{}: somebody else has begun to render another sequence here; use two folders",
+            "{}: another process renders another sequence here; use two folders",
             folder.path().display()
         )]);
     }
@@ -107,38 +172,44 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     })
 }
 
-/// The frames that are not proven. Says of those that are there what is wrong with them.
+/// The frames that are not verified. Says what is wrong with those that are there.
 fn missing(folder: &FrameFolder, frames: &[u32], quiet: bool) -> Vec<u32> {
     let mut missing = Vec::new();
     let mut stale = 0;
-    for (frame, proof) in verify(folder, frames, quiet) {
-        let Err(fault) = proof else { continue };
+    let mut of_other_builds = 0;
+    for (frame, verified) in verify(folder, frames, quiet) {
+        let Err(error) = verified else { continue };
         missing.push(frame);
-        match fault {
+        match error {
             VerifyError::Missing => {}
             VerifyError::Stale => stale += 1,
-            fault => warn(&[format!("{}: {fault}", folder.file_of(frame).display())]),
+            VerifyError::OtherBuild(_) => of_other_builds += 1,
+            error => warn(&[format!("{}: {error}", folder.file_of(frame).display())]),
         }
     }
+    let folder = folder.path().display();
     if stale > 0 {
-        let folder = folder.path().display();
-        let why = VerifyError::Stale;
         warn(&[format!(
-            "{folder}: {stale} frames are rendered again, as they are {why}"
+            "{folder}: {stale} frames are rendered again: {}",
+            VerifyError::Stale
+        )]);
+    }
+    if of_other_builds > 0 {
+        warn(&[format!(
+            "{folder}: {of_other_builds} frames of other builds are rendered again (--accept-build keeps them)"
         )]);
     }
     missing
 }
 
-/// Writes down what the frames of the folder say of themselves, and their cameras, as far as it is not there; `changed`
-/// if frames were rendered.
-fn list(folder: &FrameFolder, cameras: &FrameCameras, changed: bool) -> bool {
+/// Writes the manifest and the table of cameras, as far as they are not there; `changed` if frames were rendered.
+fn list(folder: &FrameFolder, job: &Job, changed: bool) -> bool {
     let list = || {
         if changed || !Manifest::is_right(folder) {
             folder.sync();
             Manifest::update(folder)?;
         }
-        folder.keep_cameras(cameras)
+        folder.write_camera_table(&camera_table(&FrameCameras::of(&job.inputs().path.path))?)
     };
     let listed = list();
     if let Err(error) = &listed {
@@ -155,19 +226,13 @@ fn show(folder: &FrameFolder, frames: &[u32], quiet: bool) -> bool {
     match &drawn {
         Err(error) => warn(&[error.to_string()]),
         Ok(()) if quiet => {}
-        Ok(()) => {
-            // As the summary.
-            let _ = writeln!(std::io::stdout(), "contact sheet: {}", sheet.display());
-        }
+        Ok(()) => say(format_args!("contact sheet: {}", sheet.display())),
     }
     drawn.is_ok()
 }
 
 fn summarise(outcome: &Outcome, elapsed: Duration, there: u32, folder: &FrameFolder) {
-    // Nobody has to read it: the exit status says what matters.
-    let mut out = std::io::stdout();
-    let _ = writeln!(
-        out,
+    say(format_args!(
         "{} frames rendered in {} ({}), {} were there, {} failed{}: {}",
         outcome.kept,
         clock(elapsed),
@@ -176,13 +241,13 @@ fn summarise(outcome: &Outcome, elapsed: Duration, there: u32, folder: &FrameFol
         outcome.failures.len(),
         if outcome.stopped { ", interrupted" } else { "" },
         folder.path().display()
-    );
+    ));
     if let Some(errors) = summary(&outcome.errors) {
-        let _ = writeln!(out, "{errors}");
+        say(format_args!("{errors}"));
     }
 }
 
-/// What to say of frames that are there but not all that they could be.
+/// What frames lack that were rendered.
 fn shortcomings(outcome: &Outcome, target_error: Option<f64>) -> Vec<String> {
     let mut warnings = Vec::new();
     let black = outcome.non_finite_samples;
@@ -201,7 +266,7 @@ fn shortcomings(outcome: &Outcome, target_error: Option<f64>) -> Vec<String> {
     warnings
 }
 
-/// The errors of the frames that were rendered; none where nothing was left to chance.
+/// The errors of the frames that were rendered; none where they have no Monte Carlo noise.
 fn summary(errors: &[(u32, ErrorEstimate)]) -> Option<String> {
     let error = |(_, error): &(u32, ErrorEstimate)| error.relative_square_error;
     let worst = errors.iter().max_by(|a, b| error(a).total_cmp(&error(b)))?;

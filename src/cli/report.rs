@@ -1,10 +1,56 @@
-use super::args::ReportArguments;
-use super::loading::load;
+//! `report`: speed against error of every technique on a scene and a path.
+
+use super::frames::FrameRanges;
+use super::job_args::{InputArguments, ThreadsArgument};
 use super::progress::ShareProgress;
-use super::{Failure, Status};
+use super::values::parse_size;
+use super::{Failure, Status, say, warn};
 use crate::input::Settings;
+use crate::job::{self, BUILD};
 use crate::report::{Inputs, report};
-use std::io::Write;
+use clap::Args;
+use std::path::PathBuf;
+
+/// Measure the speed and the error of every technique on a scene and a path
+///
+/// Renders a few small frames of the path by each technique, with several seeds, and compares them with references, which
+/// are made once and kept in the folder. Writes report.md, report.csv, report.json, the curves of error against time, the
+/// flicker along the path, a picture of each technique's errors, and advice: the cheapest settings for a relMSE of 0.01,
+/// where noise is just visible, and of 0.001, where it hardly is.
+///
+/// The irradiance cache (--gi cached) is baked once, as for the whole sequence at its own size, and each frame is charged
+/// its part: those seconds are right if all frames are rendered.
+///
+/// Exposure, bounces and the size that the advice is for are the scene's and the path's. The error is relMSE: the mean of
+/// (x - r)^2 / (m^2 + 0.01), where x is a pixel, r is the reference's, and m the local mean of the reference; 1 is display
+/// white. Run it on a machine that does nothing else.
+///
+/// Exit status: 0 success, 2 wrong input or usage.
+#[derive(Debug, Args)]
+pub(super) struct ReportArguments {
+    #[command(flatten)]
+    input: InputArguments,
+    /// Folder for the report
+    #[arg(short, long, value_name = "DIR")]
+    out: PathBuf,
+    /// Frames to measure, as in 0-99:50,120 [default: three, spread over the path]
+    #[arg(short, long, value_name = "RANGES")]
+    frames: Option<FrameRanges>,
+    /// Columns and rows of the frames that are measured [default: 128 columns]
+    #[arg(short, long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<(u32, u32)>,
+    /// How often each technique renders each frame
+    #[arg(long, value_name = "N", default_value = "5", value_parser = clap::value_parser!(u32).range(2..=1000))]
+    seeds: u32,
+    /// relMSE of the references: a tenth of the smallest error of interest
+    #[arg(long, value_name = "X", default_value = "0.0001")]
+    reference_error: f64,
+    #[command(flatten)]
+    threads: ThreadsArgument,
+    /// No progress bar and no summary
+    #[arg(short, long)]
+    quiet: bool,
+}
 
 /// Columns of the frames that are measured, unless given.
 const COLUMNS: u32 = 128;
@@ -12,14 +58,13 @@ const COLUMNS: u32 = 128;
 /// Frames that are measured, unless given: from the middles of so many parts of the path.
 const FRAMES: u32 = 3;
 
-/// A hash of this program: what another build of it has made is not taken for what this one makes.
-fn program() -> std::io::Result<blake3::Hash> {
-    let program = std::fs::read(std::env::current_exe()?)?;
-    Ok(blake3::hash(&program))
-}
-
 pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
-    let loaded = load(&arguments.input, &arguments.threads)?;
+    let loaded = job::Inputs::load(
+        &arguments.input.scene,
+        &arguments.input.path,
+        arguments.threads.threads,
+    )?;
+    warn(&loaded.scene.warnings);
     let given = loaded.settings(Settings::default());
     let size = arguments.size.unwrap_or_else(|| given.size_within(COLUMNS));
     let check = Settings {
@@ -41,7 +86,7 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
         scene: &loaded.scene.scene,
         path: &loaded.path.path,
         given,
-        fingerprint: format!("{} {}", loaded.fingerprint(), program()?),
+        fingerprint: format!("{BUILD} {} {}", loaded.scene_hash, loaded.path_hash),
         frames,
         size,
         seeds: arguments.seeds,
@@ -56,14 +101,16 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
     progress.finish();
     let made = made?;
     if !arguments.quiet {
-        let mut out = std::io::stdout().lock();
         for line in &made.advice {
-            let _ = writeln!(out, "{line}");
+            say(format_args!("{line}"));
         }
         for row in made.bias.iter().filter(|row| row.is_biased) {
-            let _ = writeln!(out, "biased: {} ({})", row.curve, row.flags);
+            say(format_args!("biased: {} ({})", row.curve, row.flags));
         }
-        let _ = writeln!(out, "{}", arguments.out.join("report.md").display());
+        say(format_args!(
+            "{}",
+            arguments.out.join("report.md").display()
+        ));
     }
     Ok(Status::Done)
 }

@@ -1,12 +1,37 @@
-use super::args::SheetArguments;
+//! `sheet`: a contact sheet of a folder of frames.
+
+use super::frames::FrameRanges;
 use super::{Failure, Status, written};
 use crate::frames::ContactSheet;
 use crate::frames::FrameFolder;
+use crate::job::open_folder;
+use clap::Args;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Draw a contact sheet of a folder of frames
+///
+/// Shows at most 30 frames, spread evenly, the first and the last among them, each with its number and its time. A frame
+/// that is not verified is replaced by what is wrong with it.
+///
+/// Exit status: 0 success; 2 not a folder of frames, or the sheet cannot be written.
+#[derive(Debug, Args)]
+pub(super) struct SheetArguments {
+    /// Folder of the frames
+    folder: PathBuf,
+    /// File for the sheet, a PNG [default: sheet.png in the folder]
+    #[arg(short, long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Frames to choose from, as in 0-99:2,120 [default: all]
+    #[arg(short, long, value_name = "RANGES")]
+    frames: Option<FrameRanges>,
+    /// Do not name the sheet
+    #[arg(short, long)]
+    quiet: bool,
+}
 
 pub(super) fn run(arguments: &SheetArguments) -> Result<Status, Failure> {
-    let folder = FrameFolder::open(&arguments.folder)?;
+    let folder = open_folder(&arguments.folder, &[])?;
     let count = folder.sequence().frames;
     let frames = match &arguments.frames {
         None => (0..count).collect(),

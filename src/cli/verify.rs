@@ -1,36 +1,63 @@
-use super::args::VerifyArguments;
-use super::loading::pool;
+//! `verify`: whether every frame of a sequence is there, whole, unchanged and made from what it should be.
+
+use super::job_args::RecordedJobArguments;
 use super::progress::ShareProgress;
-use super::recorded::job_of;
-use super::{Failure, Status, warn};
+use super::{Failure, Status, say, warn};
 use crate::frames::{FrameFolder, FrameRecord, VerifyError};
+use crate::job::{open_folder, pool};
+use clap::Args;
 use rayon::prelude::*;
-use std::io::Write;
-use std::path::absolute;
+use std::path::{PathBuf, absolute};
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Verify that every frame of a sequence is there, whole, unchanged and made from its inputs as they are now
+///
+/// Prints a line for each frame that is not, and why. If the inputs cannot be loaded, a warning says so, and frames are
+/// verified against the inputs as recorded when they were rendered.
+///
+/// Exit status: 0 all frames are verified, 2 not a folder of frames, 3 some frames are not: render again.
+#[derive(Debug, Args)]
+pub(super) struct VerifyArguments {
+    /// Folder of the frames
+    folder: PathBuf,
+    #[command(flatten)]
+    inputs: RecordedJobArguments,
+    /// No progress bar and no summary
+    #[arg(short, long)]
+    quiet: bool,
+}
 
 pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
     let out = absolute(&arguments.folder)?;
-    let written_down = FrameFolder::open(&out)?;
-    let job = job_of(&written_down, arguments.threads);
-    let (folder, pool) = match job.and_then(|job| Ok((job.sequence()?, job.loaded.pool))) {
-        Ok((plan, pool)) => (FrameFolder::new(&out, plan, false), pool),
+    let recorded = FrameFolder::open(&out)?;
+    let job = arguments.inputs.job_of(&recorded);
+    let current = job.and_then(|job| Ok((job.sequence(&out)?, job)));
+    let folder = match &current {
+        Ok((sequence, _)) => FrameFolder::new(&out, sequence.clone(), false),
         Err(error) => {
             warn(&[format!(
                 "what the frames were made from cannot be loaded, so changes since are not seen: {error}"
             )]);
-            (written_down, pool(&arguments.threads)?)
+            open_folder(&out, &arguments.inputs.accepted_builds)?
+        }
+    };
+    let own_pool;
+    let pool = match &current {
+        Ok((_, job)) => &job.inputs().pool,
+        Err(_) => {
+            own_pool = pool(arguments.inputs.threads.threads)?;
+            &own_pool
         }
     };
     let count = folder.sequence().frames;
     let frames: Vec<u32> = (0..count).collect();
     let mut lines = Vec::new();
-    for (frame, proof) in pool.install(|| verify(&folder, &frames, arguments.quiet)) {
-        if let Err(fault) = proof {
-            lines.push(format!("{}: {fault}", folder.file_of(frame).display()));
+    for (frame, verified) in pool.install(|| verify(&folder, &frames, arguments.quiet)) {
+        if let Err(error) = verified {
+            lines.push(format!("{}: {error}", folder.file_of(frame).display()));
         }
     }
-    let proven = count as usize - lines.len();
+    let verified = count as usize - lines.len();
     for name in folder.strays()? {
         let stray = folder.path().join(name);
         lines.push(format!(
@@ -44,17 +71,17 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
     };
     if !arguments.quiet {
         let folder = folder.path().display();
-        lines.push(format!("{proven} of {count} frames are proven: {folder}"));
+        lines.push(format!(
+            "{verified} of {count} frames are verified: {folder}"
+        ));
     }
-    let mut out = std::io::stdout().lock();
     for line in lines {
-        // Nobody has to read it: the exit status says what matters.
-        let _ = writeln!(out, "{line}");
+        say(format_args!("{line}"));
     }
     Ok(status)
 }
 
-/// Proves frames on all threads of the current pool; gives them in their order.
+/// Verifies frames on all threads of the current pool; gives them in their order.
 pub(super) fn verify(
     folder: &FrameFolder,
     frames: &[u32],
@@ -62,13 +89,13 @@ pub(super) fn verify(
 ) -> Vec<(u32, Result<FrameRecord, VerifyError>)> {
     let progress = ShareProgress::new(quiet);
     let done = AtomicUsize::new(0);
-    let prove = |&frame: &u32| {
-        let proof = folder.verify(frame);
+    let verify = |&frame: &u32| {
+        let verified = folder.verify(frame);
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        progress.at(done as f64 / frames.len() as f64, "proving frames");
-        (frame, proof)
+        progress.at(done as f64 / frames.len() as f64, "verifying frames");
+        (frame, verified)
     };
-    let proofs = frames.par_iter().map(prove).collect();
+    let all = frames.par_iter().map(verify).collect();
     progress.finish();
-    proofs
+    all
 }

@@ -1,39 +1,39 @@
-use super::pilot::Stage;
-use super::quote::Quote;
-use crate::render::{PixelSampling, Renderer};
+//! The number of camera samples that a time budget allows.
 
-/// The most camera samples that anybody gets.
-const MOST: u32 = 1 << 16;
+use super::estimate::Estimate;
+use super::pilot::Workload;
+use crate::render::PixelSampling;
 
-/// How often a number of samples is tried.
+/// Largest number of camera samples of a pixel.
+const MAX_SAMPLES: u32 = 1 << 16;
+
+/// Numbers of samples that are tried.
 const TRIES: usize = 4;
 
-/// The most camera samples of each pixel with which all frames are expected to be there within `seconds`, with
-/// the whole of the forecast's interval; and that forecast. None if one sample is too much.
-pub fn samples_within(
-    stage: Stage,
-    renderer: &Renderer,
-    seconds: f64,
-    memory: f64,
-) -> Option<(u32, Quote)> {
-    let frames: Vec<u32> = (0..stage.path.timeline().frame_count()).collect();
-    let quote = |samples: u32| {
-        let renderer = renderer.with_sampling(PixelSampling::Spread(samples));
-        let quote = Quote::new(stage, &renderer, memory);
-        (quote.seconds(&frames).high, quote)
+/// The most camera samples of each pixel with which all frames take at most `seconds`, by the upper 95 % bound of the
+/// estimate; and that estimate. None if one sample takes longer. `memory` are the bytes that the program takes now.
+pub fn samples_within(workload: Workload, seconds: f64, memory: f64) -> Option<(u32, Estimate)> {
+    let frames: Vec<u32> = (0..workload.path.timeline().frame_count()).collect();
+    let estimate = |samples: u32| {
+        let sampling = PixelSampling::Spread(samples);
+        let renderer = workload.renderer.with_sampling(sampling);
+        let workload = Workload {
+            renderer,
+            ..workload.clone()
+        };
+        let estimate = Estimate::new(&workload, memory);
+        (estimate.seconds(&frames).high, estimate)
     };
-    let mut best = None;
+    let mut best: Option<(u32, Estimate)> = None;
     let mut samples = 1;
     for _ in 0..TRIES {
-        let (most, quote) = quote(samples);
-        let is_more = |best: &Option<(u32, Quote)>| best.as_ref().is_none_or(|(n, _)| *n < samples);
-        if most <= seconds && is_more(&best) {
-            best = Some((samples, quote));
+        let (most, estimate) = estimate(samples);
+        if most <= seconds && best.as_ref().is_none_or(|(least, _)| *least < samples) {
+            best = Some((samples, estimate));
         }
-        // Cost goes up with their number, and with what comes before the first: the next try is near, and the
-        // one after it is nearer.
+        // Cost is linear in samples, plus what comes before the first: each try is nearer than the last.
         let next = (f64::from(samples) * seconds / most) as u32;
-        let next = next.clamp(1, MOST);
+        let next = next.clamp(1, MAX_SAMPLES);
         if next == samples {
             break;
         }

@@ -1,14 +1,13 @@
-//! What a sequence will take, before it is paid for: seconds, bytes on disk and in memory, from a few frames of it.
+//! What a sequence will take, estimated before it is rendered: seconds, bytes on disk and in memory, from a few frames.
 //!
-//! Knows nothing of the command line or of how light is gathered: it renders as [`Renderer::render_sequence`] does, and
-//! looks at the clock.
+//! Knows nothing of the command line or of integrators: it renders as [`Renderer::render_sequence`] does, and measures.
 //!
 //! [`Renderer::render_sequence`]: crate::render::Renderer::render_sequence
 
 mod budget;
+mod estimate;
 mod pilot;
-mod quote;
 
 pub use budget::samples_within;
-pub use pilot::{Pilot, PilotFrame, Stage};
-pub use quote::{Forecast, Quote};
+pub use estimate::{Estimate, Forecast};
+pub use pilot::{Pilot, PilotFrame, Workload};

@@ -1,3 +1,5 @@
+//! A pilot: a few frames of a sequence, rendered small where whole ones would take long, for what they cost.
+
 use crate::camera::CameraPath;
 use crate::frames::SequenceRecord;
 use crate::render::{
@@ -7,28 +9,29 @@ use serde::{Deserialize, Serialize};
 use std::sync::Mutex;
 use std::time::Instant;
 
-/// So many frames, from the middles of as many parts of the path.
+/// Frames of a pilot, from the middles of as many parts of the path.
 const FRAMES: u32 = 12;
 
-/// The pilot may take this share of the time of the sequence,
-const SHARE: f64 = 0.02;
+/// A pilot may take this fraction of the time of the sequence, ...
+const FRACTION: f64 = 0.02;
 
-/// or so many seconds.
+/// ... or this many seconds.
 const SECONDS: f64 = 4.0;
 
-/// With every halving of a frame's sides, neighbouring rays have less in common: each takes longer by up to twice
-/// this share.
+/// With every halving of a frame's sides, rays are less coherent: each takes longer by up to twice this fraction.
 const COHERENCE: f64 = 0.06;
 
-/// With every halving, neighbouring pixels have less in common, too: their bytes are off by up to this share.
+/// With every halving, neighbouring pixels are less alike: their bytes are off by up to this fraction.
 const GRAIN: f64 = 0.1;
 
-/// No side of a frame is made shorter than this, in pixels.
+/// The shortest side of a frame, in pixels.
 const LEAST_SIDE: u32 = 64;
 
-/// What frames are rendered along, and how they would be kept.
-#[derive(Clone, Copy, Debug)]
-pub struct Stage<'a> {
+/// What frames are rendered by and along, and how they would be kept.
+#[derive(Clone, Debug)]
+pub struct Workload<'a> {
+    /// The renderer.
+    pub renderer: Renderer<'a>,
     /// The camera path.
     pub path: &'a CameraPath,
     /// Threads.
@@ -40,9 +43,9 @@ pub struct Stage<'a> {
 /// A few frames of a sequence, rendered for what they cost: as they will be, or smaller.
 #[derive(Debug)]
 pub struct Pilot {
-    /// What they would cost at full size, by number.
+    /// What they cost at full size, by number.
     pub frames: Vec<PilotFrame>,
-    /// How far off, relatively, all of the seconds may be because the frames were smaller.
+    /// Relative error of all seconds because the frames were smaller.
     pub doubt_of_seconds: f64,
     /// The same of the bytes.
     pub doubt_of_bytes: f64,
@@ -63,9 +66,10 @@ pub struct PilotFrame {
 impl Pilot {
     /// Renders frames at a size at which they take no more than they are worth. Where that is smaller than the
     /// sequence's, their bytes go on growing as they did from half of that size.
-    pub fn run(stage: Stage, renderer: &Renderer) -> Pilot {
+    pub fn run(workload: &Workload) -> Pilot {
+        let renderer = &workload.renderer;
         let settings = renderer.settings();
-        let timeline = stage.path.timeline();
+        let timeline = workload.path.timeline();
         let chosen = timeline.spread(FRAMES);
         let all = f64::from(timeline.frame_count()) / chosen.len() as f64;
         let sum = |frames: &[PilotFrame], value: fn(&PilotFrame) -> f64| -> f64 {
@@ -74,7 +78,7 @@ impl Pilot {
         let mut halvings = most_halvings(settings);
         let measure = |halvings| {
             let [width, height] = smaller(settings, halvings);
-            stage.measure(&renderer.with_size(width, height), &chosen)
+            workload.measure(&renderer.with_size(width, height), &chosen)
         };
         // What is used for the first time takes longer.
         measure(halvings);
@@ -83,7 +87,7 @@ impl Pilot {
         while halvings > 0 {
             let seconds = sum(&frames, |frame| frame.seconds);
             let of_sequence = all * seconds * pixels_more(settings, halvings);
-            if 4.0 * seconds > SECONDS.max(SHARE * of_sequence) {
+            if 4.0 * seconds > SECONDS.max(FRACTION * of_sequence) {
                 break;
             }
             let step = pixels_more(settings, halvings) / pixels_more(settings, halvings - 1);
@@ -125,7 +129,7 @@ fn pixels_more(settings: &RenderSettings, halvings: u32) -> f64 {
     pixels(smaller(settings, 0)) / pixels(smaller(settings, halvings))
 }
 
-impl Stage<'_> {
+impl Workload<'_> {
     /// Renders frames as a sequence. Each has its share of the seconds by the rays that it took.
     fn measure(&self, renderer: &Renderer, frames: &[u32]) -> Vec<PilotFrame> {
         let scale = Scale {

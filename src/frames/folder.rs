@@ -1,10 +1,11 @@
+//! A folder of numbered frames, shared safely by processes: each frame is claimed by a lock, written beside its name
+//! and renamed, so that a file under a frame's name is a whole frame or was changed from outside.
+
 use super::format::FrameFormat;
 use super::picture::Picture;
 use super::record::FrameRecord;
 use super::sequence::SequenceRecord;
 use super::verify::{Expected, VerifyError};
-use crate::camera::FrameCameras;
-use crate::camera_formats::camera_table;
 use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
 use crate::storage::{PartFile, check_writable, remove_leftovers, write_atomic};
 use std::collections::HashSet;
@@ -16,13 +17,13 @@ use std::sync::OnceLock;
 use std::time::SystemTime;
 use thiserror::Error;
 
-/// The file beside the frames that says what they are.
+/// The file beside the frames that says what they are to be.
 const SEQUENCE_FILE: &str = "sequence.ron";
 
-/// The file beside the frames that shows some of them.
+/// The contact sheet beside the frames.
 const SHEET_FILE: &str = "sheet.png";
 
-/// The file beside the frames that lists their cameras.
+/// The table beside the frames that lists their cameras.
 const CAMERAS_FILE: &str = "cameras.jsonl";
 
 /// How the names of all files begin that are written to a folder.
@@ -33,7 +34,7 @@ const OWN_FILES: [&str; 9] = [
     CAMERAS_FILE,
     "manifest.ron",
     "errors.",
-    "quote.ron",
+    "estimate.ron",
     "irradiance.cache",
     SHEET_FILE,
 ];
@@ -59,8 +60,8 @@ pub enum FolderError {
     },
     /// It does not say what its frames are to be.
     #[error(
-        "{file}: {message}: not a folder of frames, or it has lost what they are to be; render the \
-         sequence (again): frames that are there are kept",
+        "{file}: {message}: not a folder of frames, or the file is lost or damaged; render the sequence (again): \
+         verified frames are kept",
         file = .file.display()
     )]
     NoSequence {
@@ -69,43 +70,31 @@ pub enum FolderError {
         /// What is wrong with it.
         message: String,
     },
-    /// Its frames are those of another version.
-    #[error(
-        "{folder}: its frames are of {theirs}, and this is {ours}: use that, or render them again",
-        folder = .folder.display(), ours = SequenceRecord::program()
-    )]
-    OtherProgram {
-        /// The folder.
-        folder: PathBuf,
-        /// The program and its version.
-        theirs: String,
-    },
 }
 
-/// A folder of numbered frames. A file with a frame's name is a whole frame, or was changed by somebody else: it
-/// was written under another name first.
+/// A folder of the numbered frames of a sequence.
 #[derive(Debug)]
 pub struct FrameFolder {
     folder: PathBuf,
     sequence: SequenceRecord,
-    /// Whether frames that are proven are rendered all the same.
+    /// Whether verified frames are rendered again all the same.
     force: bool,
-    /// Which file said what the frames are to be when the folder was prepared.
+    /// Which `sequence.ron` was there when the folder was prepared.
     prepared_file: OnceLock<Option<FileIdentity>>,
 }
 
-/// What tells a file from one that is put in its place.
+/// Tells a file from one that is put in its place: inode and time of the last change.
 type FileIdentity = (u64, SystemTime);
 
-/// Where a frame will be kept.
+/// The right to write the files of a frame.
 #[derive(Debug)]
-pub struct Place {
+pub struct Slot {
     picture: PartFile,
     error_map: Option<PartFile>,
 }
 
 impl FrameFolder {
-    /// A folder that is there or will be, of the frames of a plan.
+    /// A folder that exists or will, of the frames of a sequence.
     pub fn new(folder: &Path, sequence: SequenceRecord, force: bool) -> FrameFolder {
         FrameFolder {
             folder: folder.to_owned(),
@@ -115,61 +104,56 @@ impl FrameFolder {
         }
     }
 
-    /// A folder that is there, of the frames that it says it is of.
+    /// A folder that exists, of the frames that its `sequence.ron` says.
     pub fn open(folder: &Path) -> Result<FrameFolder, FolderError> {
         let file = folder.join(SEQUENCE_FILE);
         let text = fs::read_to_string(&file).map_err(|error| error.to_string());
         let sequence = text.and_then(|text| SequenceRecord::from_text(&text));
         let sequence = sequence.map_err(|message| FolderError::NoSequence { file, message })?;
-        if sequence.program != SequenceRecord::program() {
-            return Err(FolderError::OtherProgram {
-                folder: folder.to_owned(),
-                theirs: sequence.program,
-            });
-        }
         Ok(FrameFolder::new(folder, sequence, false))
     }
 
-    /// Makes the folder, proves that it can be written, writes down what its frames are to be, and removes what
-    /// processes that were killed have left.
+    /// Makes the folder, checks that it can be written, writes `sequence.ron`, and removes what killed processes
+    /// have left.
     pub fn prepare(&self) -> Result<(), FolderError> {
         let prepare = || {
             fs::create_dir_all(&self.folder)?;
             remove_leftovers(&self.folder, &OWN_FILES)?;
-            if self.has_its_sequence() {
-                return check_writable(&self.folder.join(SEQUENCE_FILE));
+            let file = self.folder.join(SEQUENCE_FILE);
+            if self.recorded().as_ref() == Some(&self.sequence) {
+                return check_writable(&file);
             }
             let text = self.sequence.to_text().map_err(io::Error::other)?;
-            write_atomic(&self.folder.join(SEQUENCE_FILE), text.as_bytes())
+            write_atomic(&file, text.as_bytes())
         };
         prepare().map_err(|source| FolderError::Unwritable {
             folder: self.folder.clone(),
             source,
         })?;
-        self.prepared_file
-            .get_or_init(|| self.sequence_file_identity());
+        self.prepared_file.get_or_init(|| self.sequence_file());
         Ok(())
     }
 
-    fn sequence_file_identity(&self) -> Option<FileIdentity> {
+    fn sequence_file(&self) -> Option<FileIdentity> {
         let file = fs::metadata(self.folder.join(SEQUENCE_FILE)).ok()?;
         Some((file.ino(), file.modified().ok()?))
     }
 
-    /// Whether somebody else has said, since it was prepared, that the folder is of other frames.
+    /// Whether another process has declared, since this one prepared it, that the folder is of other frames.
     fn was_given_another_sequence(&self) -> bool {
         let prepared = self.prepared_file.get();
-        prepared.is_some_and(|file| *file != self.sequence_file_identity())
-            && self.has_another_sequence()
+        prepared.is_some_and(|file| *file != self.sequence_file()) && self.has_another_sequence()
     }
 
-    /// Whether the folder is said to be of the frames of this plan.
+    /// Whether `sequence.ron` is of the frames of this sequence, from the same builds.
     pub fn has_its_sequence(&self) -> bool {
-        let there = self.recorded();
-        there.is_some_and(|there| there.has_the_frames_of(&self.sequence))
+        self.recorded().is_some_and(|there| {
+            there.has_the_frames_of(&self.sequence)
+                && there.accepted_builds == self.sequence.accepted_builds
+        })
     }
 
-    /// Whether it is said to be of others.
+    /// Whether `sequence.ron` is of other frames.
     pub fn has_another_sequence(&self) -> bool {
         let there = self.recorded();
         there.is_some_and(|there| !there.has_the_frames_of(&self.sequence))
@@ -180,10 +164,9 @@ impl FrameFolder {
         SequenceRecord::from_text(&text).ok()
     }
 
-    /// Keeps the table of the frames' cameras beside them, if it is not there.
-    pub fn keep_cameras(&self, cameras: &FrameCameras) -> io::Result<()> {
+    /// Writes the table of the frames' cameras beside them, if it is not there.
+    pub fn write_camera_table(&self, table: &str) -> io::Result<()> {
         let file = self.folder.join(CAMERAS_FILE);
-        let table = camera_table(cameras)?;
         match fs::read(&file) {
             Ok(there) if there == table.as_bytes() => Ok(()),
             _ => write_atomic(&file, table.as_bytes()),
@@ -211,12 +194,12 @@ impl FrameFolder {
         self.folder.join(format!("error_{frame:05}.exr"))
     }
 
-    /// The file of a contact sheet.
+    /// The file of the contact sheet.
     pub fn sheet(&self) -> PathBuf {
         self.folder.join(SHEET_FILE)
     }
 
-    /// Whether a file has a name that is kept for what belongs to the frames, other than the contact sheet.
+    /// Whether a file has a name that the folder keeps for its own files, other than the contact sheet.
     pub fn is_reserved(&self, file: &Path) -> bool {
         let parent = file.parent().filter(|parent| *parent != Path::new(""));
         let parent = fs::canonicalize(parent.unwrap_or(Path::new(".")));
@@ -226,18 +209,17 @@ impl FrameFolder {
         is_here && is_own && name != SHEET_FILE
     }
 
-    /// Proves that all that is to be kept of a frame is there, whole, as it was written, and made from what the
-    /// plan says.
+    /// Verifies that all files of a frame are there, whole, unchanged, and made from the inputs of the sequence.
     pub fn verify(&self, frame: u32) -> Result<FrameRecord, VerifyError> {
         let (record, _) = self.verified(frame)?;
         if self.sequence.error_maps {
             let map = self.verify_file(&self.map_of(frame), frame, FrameFormat::Exr);
-            map.map_err(|fault| VerifyError::ErrorMap(Box::new(fault)))?;
+            map.map_err(|error| VerifyError::ErrorMap(Box::new(error)))?;
         }
         Ok(record)
     }
 
-    /// What the file of a frame holds, proven, whatever else is kept of the frame.
+    /// The record and the picture of a frame, verified; its error map is not looked at.
     pub(super) fn verified(&self, frame: u32) -> Result<(FrameRecord, Picture), VerifyError> {
         self.verify_file(&self.file_of(frame), frame, self.sequence.format)
     }
@@ -255,22 +237,26 @@ impl FrameFolder {
         let expected = Expected {
             frame,
             format,
-            size: (self.sequence.width, self.sequence.height),
-            input_hash: &self.sequence.input_hash[frame as usize],
+            sequence: &self.sequence,
         };
         expected.verify(&bytes)
     }
 
-    /// What the file of a frame says of it, without proof; none if it is not there, says nothing or is another
-    /// frame.
+    /// What the file of a frame says of it, not verified; none if there is no such file, it has no record, or that of
+    /// another frame.
     pub fn record(&self, frame: u32) -> Option<FrameRecord> {
-        let note = self
-            .sequence
-            .format
-            .note(&self.file_of(frame))
-            .ok()
-            .flatten()?;
+        let file = self.file_of(frame);
+        let note = self.sequence.format.note(&file).ok().flatten()?;
         FrameRecord::from_text(&note).filter(|record| record.frame == frame)
+    }
+
+    /// Whether a frame says of itself that it is of this sequence: a quick look at its record. [`FrameFolder::verify`]
+    /// is the proof.
+    pub fn is_current(&self, frame: u32) -> bool {
+        self.record(frame).is_some_and(|record| {
+            record.input_hash == self.sequence.input_hashes[frame as usize]
+                && self.sequence.accepts(&record.build)
+        })
     }
 
     /// The names in the folder that look like frames but are none of the sequence, in order.
@@ -295,10 +281,10 @@ impl FrameFolder {
         })
     }
 
-    /// Sees to it that the names of all files that were kept outlast a stop of the machine, where the file
-    /// system knows how. What was in them did so before they had their names.
+    /// Brings the names of all files to the disk, where the file system knows how. What is in them was brought there
+    /// before they had their names.
     pub fn sync(&self) {
-        // A name that is lost is a frame that is missing: it will be found and rendered again.
+        // A name that is lost is a missing frame: it is found and rendered again.
         let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
     }
 
@@ -311,15 +297,18 @@ impl FrameFolder {
 }
 
 impl FrameSink for FrameFolder {
-    type Slot = Place;
+    type Slot = Slot;
 
-    fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Place>, SinkError> {
+    fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Slot>, SinkError> {
         if self.was_given_another_sequence() {
             let folder = self.folder.display();
-            return Err(format!("{folder}: is of another sequence by now; use two folders").into());
+            return Err(format!(
+                "{folder}: another process renders another sequence here; use two folders"
+            )
+            .into());
         }
         let named = |file: &Path, error| format!("{}: cannot be written: {error}", file.display());
-        // What there is no room for need not be rendered.
+        // A frame that does not fit on the disk need not be rendered.
         let with_room = |part: PartFile, format| part.reserve(self.bound(format)).map(|()| part);
         let file = self.file_of(frame);
         let part = match insists {
@@ -336,32 +325,32 @@ impl FrameSink for FrameFolder {
         let mut error_map = None;
         if self.sequence.error_maps {
             let file = self.map_of(frame);
-            // Whoever holds the frame need not ask for its map.
+            // Whoever holds the frame holds its map.
             let part = PartFile::own(&file).and_then(|part| with_room(part, FrameFormat::Exr));
             error_map = Some(part.map_err(|error| named(&file, error))?);
         }
-        Ok(Claim::Granted(Place { picture, error_map }))
+        Ok(Claim::Granted(Slot { picture, error_map }))
     }
 
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
         self.sequence.encode(frame, rendered)
     }
 
-    fn keep(&self, frame: u32, place: Place, encoded: &EncodedFrame) -> Result<(), SinkError> {
+    fn keep(&self, frame: u32, slot: Slot, encoded: &EncodedFrame) -> Result<(), SinkError> {
         let keep = |file: PathBuf, part: PartFile, bytes: &[u8]| {
             let written = part.finish(bytes);
             written.map_err(|error| format!("{}: cannot be written: {error}", file.display()))
         };
-        // The frame comes last: where it is, all of it is.
-        match (&encoded.error_map, place.error_map) {
+        // The frame comes last: where it is, its map is.
+        match (&encoded.error_map, slot.error_map) {
             (Some(map), Some(part)) => keep(self.map_of(frame), part, map)?,
             _ => remove(&self.map_of(frame))?,
         }
-        Ok(keep(self.file_of(frame), place.picture, &encoded.picture)?)
+        Ok(keep(self.file_of(frame), slot.picture, &encoded.picture)?)
     }
 }
 
-/// Removes a file that would no longer be true, if it is there.
+/// Removes a file, if it is there.
 pub(super) fn remove(file: &Path) -> io::Result<()> {
     match fs::remove_file(file) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),

@@ -4,19 +4,31 @@ use crate::film::Film;
 use crate::math::color::srgb_to_linear;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::io;
 use std::path::Path;
 
 /// How a frame is stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FrameFormat {
     /// 8 bits for each channel, sRGB.
+    #[default]
     Png,
     /// 16 bits for each channel, sRGB.
     Png16,
     /// 32-bit floats, linear light, OpenEXR.
     Exr,
+}
+
+impl fmt::Display for FrameFormat {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            FrameFormat::Png => "png",
+            FrameFormat::Png16 => "png16",
+            FrameFormat::Exr => "exr",
+        })
+    }
 }
 
 impl FrameFormat {

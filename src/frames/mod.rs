@@ -16,9 +16,9 @@ mod verify;
 
 pub use contact_sheet::ContactSheet;
 pub use exr::{decode as decode_exr, encode as encode_exr, note as note_of_exr};
-pub use folder::{FolderError, FrameFolder, Place};
+pub use folder::{FolderError, FrameFolder, Slot};
 pub use format::FrameFormat;
 pub use manifest::Manifest;
 pub use record::{FrameError, FrameRecord};
-pub use sequence::{PlanCommand, SequenceRecord};
+pub use sequence::SequenceRecord;
 pub use verify::VerifyError;

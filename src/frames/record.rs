@@ -1,17 +1,21 @@
+//! What the file of a frame says of the frame.
+
 use crate::render::ErrorEstimate;
 use serde::{Deserialize, Serialize};
 
-/// What a frame's file says of the frame.
+/// What a frame is made from, a hash of its pixels and its error, as the frame's own file says it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Frame")]
 pub struct FrameRecord {
     /// Its number.
     pub frame: u32,
-    /// A hash of all that decided its pixels: the scene's files, its camera, settings, format, program version.
+    /// The build of the program that rendered it.
+    pub build: String,
+    /// A hash of all inputs that decide its pixels: the scene's files, its camera, settings and format.
     pub input_hash: String,
     /// A hash of the file's pixels.
     pub pixels: String,
-    /// How far chance may have moved it; none where nothing was left to chance.
+    /// Its estimated error; none where the frame has no Monte Carlo noise.
     pub error: Option<FrameError>,
 }
 
@@ -21,9 +25,9 @@ pub struct FrameRecord {
 pub struct FrameError {
     /// relMSE.
     pub relative_square_error: f64,
-    /// The error is between this...
+    /// Lower end of the 95 % confidence interval.
     pub low: f64,
-    /// ...and this, 19 times of 20.
+    /// Upper end of the 95 % confidence interval.
     pub high: f64,
 }
 
@@ -71,6 +75,7 @@ mod tests {
         for error in [None, Some(estimate)] {
             let record = FrameRecord {
                 frame: 7,
+                build: "0123".to_owned(),
                 input_hash: "ab".to_owned(),
                 pixels: "cd".to_owned(),
                 error: error.map(FrameError::from),

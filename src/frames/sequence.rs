@@ -1,66 +1,69 @@
+//! What the frames of a folder are to be: `sequence.ron`.
+
 use super::format::FrameFormat;
 use super::record::{FrameError, FrameRecord};
 use crate::film::Film;
 use crate::render::{EncodedFrame, RenderedFrame, SinkError};
+use ron::value::RawValue;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
 
-/// What the frames of a folder are to be: all that tells a frame which belongs there from any other.
-///
-/// It is written down beside the frames, as `sequence.ron`, before the first of them.
+/// What tells a frame of this sequence from any other. It is written beside the frames, as `sequence.ron`, before the
+/// first of them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename = "Sequence")]
+#[serde(rename = "Sequence", deny_unknown_fields)]
 pub struct SequenceRecord {
-    /// The program and its version.
-    pub program: String,
-    /// What was typed to render it, to be able to do it again.
-    pub command: PlanCommand,
+    /// The build of the program that renders the frames.
+    pub build: String,
+    /// Builds whose frames count as this one's.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub accepted_builds: Vec<String>,
+    /// What was asked for, to be able to ask again. The frame store carries it and does not read it.
+    pub job: Box<RawValue>,
     /// Frames per second of the video.
     pub fps: f64,
-    /// How many frames the whole path has.
+    /// Frames of the whole camera path.
     pub frames: u32,
     /// Columns.
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// The format of the frames' files.
+    /// File format of the frames.
     pub format: FrameFormat,
-    /// Stops that are applied to what is stored for display.
+    /// Exposure in stops of PNG frames.
     pub exposure: f32,
     /// Whether the error of every pixel is kept beside the frames.
     pub error_maps: bool,
-    /// Whether frames look up light that is worked out for the whole path.
-    pub path_light: bool,
-    /// Of each frame, a hash of all that decides its pixels.
-    pub input_hash: Vec<String>,
-}
-
-/// A command line and where it was typed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename = "Command")]
-pub struct PlanCommand {
-    /// The folder that relative names are relative to.
-    pub folder: PathBuf,
-    /// The arguments, the program's name first.
-    pub arguments: Vec<String>,
+    /// Whether frames look indirect light up in an irradiance cache.
+    pub irradiance_cache: bool,
+    /// Of each frame, a hash of all inputs that decide its pixels.
+    pub input_hashes: Vec<String>,
 }
 
 impl SequenceRecord {
-    /// This program and its version.
-    pub fn program() -> String {
-        format!("flythrough {}", env!("CARGO_PKG_VERSION"))
-    }
-
-    /// Whether the frames of both are the same, however they were asked for.
+    /// Whether both are of the same frames, by whichever job and from whichever builds.
     pub(super) fn has_the_frames_of(&self, other: &SequenceRecord) -> bool {
-        let command = other.command.clone();
+        let SequenceRecord {
+            job,
+            accepted_builds,
+            ..
+        } = other.clone();
         SequenceRecord {
-            command,
+            job,
+            accepted_builds,
             ..self.clone()
         } == *other
     }
 
-    /// What is to be kept of a frame, with the record that proves it.
+    /// Whether frames of a build count as frames of this sequence.
+    pub fn accepts(&self, build: &str) -> bool {
+        build == self.build
+            || self
+                .accepted_builds
+                .iter()
+                .any(|accepted| accepted == build)
+    }
+
+    /// The files of a frame, with the record by which it is verified.
     pub fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
         let RenderedFrame {
             mut film,
@@ -76,7 +79,8 @@ impl SequenceRecord {
             let picture = format.picture(film);
             let record = FrameRecord {
                 frame,
-                input_hash: self.input_hash[frame as usize].clone(),
+                build: self.build.clone(),
+                input_hash: self.input_hashes[frame as usize].clone(),
                 pixels: picture.hash().to_string(),
                 error,
             };
@@ -96,12 +100,12 @@ impl SequenceRecord {
         ron::ser::to_string_pretty(self, pretty)
     }
 
-    /// What a file says; an error if it is no plan or contradicts itself.
+    /// What a file says; an error if it is no record of a sequence or contradicts itself.
     pub(super) fn from_text(text: &str) -> Result<SequenceRecord, String> {
         let sequence: SequenceRecord = ron::from_str(text).map_err(|error| error.to_string())?;
-        match sequence.input_hash.len() as u64 == u64::from(sequence.frames) {
+        match sequence.input_hashes.len() as u64 == u64::from(sequence.frames) {
             true => Ok(sequence),
-            false => Err("it does not list as many frames as it says there are".to_owned()),
+            false => Err("input_hashes has not one entry for each frame".to_owned()),
         }
     }
 }

@@ -3,20 +3,23 @@
 use super::format::FrameFormat;
 use super::picture::Contents;
 use super::verify::VerifyError;
-use super::{FolderError, FrameFolder, PlanCommand, SequenceRecord};
+use super::{FolderError, FrameFolder, SequenceRecord};
 use crate::film::Film;
 use crate::render::{Claim, ErrorEstimate, FrameSink, RenderedFrame, SinkError};
 use glam::Vec3;
+use ron::value::RawValue;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-fn plan(input_hash: &str) -> SequenceRecord {
+fn job(scene: &str) -> Box<RawValue> {
+    RawValue::from_boxed_ron(format!("Job(scene: {scene:?})").into()).expect("RON")
+}
+
+fn sequence(input_hash: &str) -> SequenceRecord {
     SequenceRecord {
-        program: SequenceRecord::program(),
-        command: PlanCommand {
-            folder: PathBuf::new(),
-            arguments: Vec::new(),
-        },
+        build: "build".to_owned(),
+        accepted_builds: Vec::new(),
+        job: job("scene.ron"),
         fps: 25.0,
         frames: 3,
         width: 4,
@@ -24,8 +27,8 @@ fn plan(input_hash: &str) -> SequenceRecord {
         format: FrameFormat::Png,
         exposure: 0.0,
         error_maps: false,
-        path_light: false,
-        input_hash: vec![input_hash.to_owned(); 3],
+        irradiance_cache: false,
+        input_hashes: vec![input_hash.to_owned(); 3],
     }
 }
 
@@ -43,11 +46,11 @@ fn rendered(light: f32) -> RenderedFrame {
 }
 
 fn keep(folder: &FrameFolder, frame: u32) -> Result<(), SinkError> {
-    let Claim::Granted(place) = folder.claim(frame, false)? else {
+    let Claim::Granted(slot) = folder.claim(frame, false)? else {
         panic!("nobody else is there");
     };
     let encoded = folder.encode(frame, rendered(0.5)).expect("encodes");
-    folder.keep(frame, place, &encoded)
+    folder.keep(frame, slot, &encoded)
 }
 
 /// The names of all files in a folder, in order.
@@ -63,7 +66,7 @@ pub(super) fn names(folder: &Path) -> Vec<String> {
 fn what_is_kept_is_proven_and_nothing_else_is_left() {
     let root = tempfile::tempdir().expect("a folder");
     let path = root.path().join("deep/er");
-    let folder = FrameFolder::new(&path, plan("a"), false);
+    let folder = FrameFolder::new(&path, sequence("a"), false);
     folder.prepare().expect("new");
     assert!(matches!(folder.verify(2), Err(VerifyError::Missing)));
     keep(&folder, 2).expect("kept");
@@ -78,7 +81,7 @@ fn what_is_kept_is_proven_and_nothing_else_is_left() {
 #[test]
 fn what_somebody_is_at_work_on_is_busy_for_others() {
     let root = tempfile::tempdir().expect("a folder");
-    let folder = |force| FrameFolder::new(root.path(), plan("a"), force);
+    let folder = |force| FrameFolder::new(root.path(), sequence("a"), force);
     let place = folder(false).claim(1, false).expect("free");
     assert!(matches!(folder(false).claim(1, false), Ok(Claim::Busy)));
     assert!(matches!(
@@ -97,7 +100,7 @@ fn what_somebody_is_at_work_on_is_busy_for_others() {
 #[test]
 fn every_fault_is_told_from_the_others() {
     let root = tempfile::tempdir().expect("a folder");
-    let folder = FrameFolder::new(root.path(), plan("a"), false);
+    let folder = FrameFolder::new(root.path(), sequence("a"), false);
     keep(&folder, 0).expect("kept");
     let file = folder.file_of(0);
     let whole = fs::read(&file).expect("there");
@@ -124,17 +127,17 @@ fn every_fault_is_told_from_the_others() {
     let other = fs::read(folder.file_of(1)).expect("there");
     assert_eq!(fault(&other), "is frame 1 under another name");
     fs::write(&file, &whole).expect("written");
-    let of_another = FrameFolder::new(root.path(), plan("b"), false);
+    let of_another = FrameFolder::new(root.path(), sequence("b"), false);
     let stale = of_another.verify(0).expect_err("other").to_string();
     assert!(stale.starts_with("stale"), "{stale}");
     for other in [
         SequenceRecord {
             width: 5,
-            ..plan("b")
+            ..sequence("b")
         },
         SequenceRecord {
             format: FrameFormat::Png16,
-            ..plan("b")
+            ..sequence("b")
         },
     ] {
         let stale = FrameFolder::new(root.path(), other, false).verify(0);
@@ -150,7 +153,7 @@ fn no_flipped_bit_goes_unseen() {
     for format in [FrameFormat::Png, FrameFormat::Png16, FrameFormat::Exr] {
         let of_format = SequenceRecord {
             format,
-            ..plan("a")
+            ..sequence("a")
         };
         let folder = FrameFolder::new(root.path(), of_format, false);
         keep(&folder, 0).expect("kept");
@@ -170,7 +173,7 @@ fn an_error_map_belongs_to_its_frame() {
     let root = tempfile::tempdir().expect("a folder");
     let with_maps = SequenceRecord {
         error_maps: true,
-        ..plan("a")
+        ..sequence("a")
     };
     let folder = FrameFolder::new(root.path(), with_maps, false);
     keep(&folder, 0).expect("kept");
@@ -179,34 +182,23 @@ fn an_error_map_belongs_to_its_frame() {
     assert!(matches!(folder.verify(0), Err(VerifyError::ErrorMap(_))));
     keep(&folder, 0).expect("made again");
     folder.verify(0).expect("whole");
-    keep(&FrameFolder::new(root.path(), plan("a"), true), 0).expect("kept");
+    keep(&FrameFolder::new(root.path(), sequence("a"), true), 0).expect("kept");
     assert_eq!(names(root.path()), ["frame_00000.png"]);
 }
 
 #[test]
-fn plans_are_compared_but_for_the_command() {
+fn sequences_are_compared_but_for_the_job() {
     let root = tempfile::tempdir().expect("a folder");
-    let folder = FrameFolder::new(root.path(), plan("a"), false);
+    let folder = FrameFolder::new(root.path(), sequence("a"), false);
     folder.prepare().expect("new");
-    let mut same = plan("a");
-    same.command.arguments.push("--quiet".to_owned());
+    let mut same = sequence("a");
+    same.job = job("moved/scene.ron");
     assert!(FrameFolder::new(root.path(), same, false).has_its_sequence());
-    let other = FrameFolder::new(root.path(), plan("b"), false);
+    let other = FrameFolder::new(root.path(), sequence("b"), false);
     assert!(!other.has_its_sequence());
     other.prepare().expect("written over");
     assert!(other.has_its_sequence() && !other.has_another_sequence());
     assert!(!folder.has_its_sequence() && folder.has_another_sequence());
-    let older = SequenceRecord {
-        program: "flythrough 0.0.1".to_owned(),
-        ..plan("a")
-    };
-    FrameFolder::new(root.path(), older, false)
-        .prepare()
-        .expect("written over");
-    assert!(matches!(
-        FrameFolder::open(root.path()),
-        Err(FolderError::OtherProgram { .. })
-    ));
     fs::write(root.path().join("sequence.ron"), "Sequence(").expect("written");
     assert!(matches!(
         FrameFolder::open(root.path()),
@@ -214,10 +206,38 @@ fn plans_are_compared_but_for_the_command() {
     ));
 }
 
+/// Two builds may render other pixels: frames of another one count only if it is accepted.
+#[test]
+fn frames_of_other_builds_are_accepted_knowingly() {
+    let root = tempfile::tempdir().expect("a folder");
+    let older = SequenceRecord {
+        build: "older".to_owned(),
+        ..sequence("a")
+    };
+    keep(&FrameFolder::new(root.path(), older, false), 0).expect("kept");
+    let folder = FrameFolder::new(root.path(), sequence("a"), false);
+    let error = folder.verify(0).expect_err("another build").to_string();
+    assert!(error.contains("--accept-build older"), "{error}");
+    assert!(!folder.is_current(0));
+    assert!(matches!(folder.claim(0, false), Ok(Claim::Granted(_))));
+    folder.prepare().expect("new");
+    let accepting = SequenceRecord {
+        accepted_builds: vec!["oldest".to_owned(), "older".to_owned()],
+        ..sequence("a")
+    };
+    let folder = FrameFolder::new(root.path(), accepting.clone(), false);
+    assert!(!folder.has_its_sequence() && !folder.has_another_sequence());
+    folder.prepare().expect("written");
+    folder.verify(0).expect("accepted");
+    let opened = FrameFolder::open(root.path()).expect("there");
+    assert_eq!(opened.sequence(), &accepting);
+    assert!(opened.is_current(0) && opened.verify(0).is_ok());
+}
+
 #[test]
 fn strays_look_like_frames() {
     let root = tempfile::tempdir().expect("a folder");
-    let folder = FrameFolder::new(root.path(), plan("a"), false);
+    let folder = FrameFolder::new(root.path(), sequence("a"), false);
     keep(&folder, 0).expect("kept");
     for name in [
         "frame_00003.png",
@@ -237,7 +257,7 @@ fn strays_look_like_frames() {
 #[test]
 fn a_frame_that_cannot_be_written_names_its_file() {
     let root = tempfile::tempdir().expect("a folder");
-    let folder = FrameFolder::new(root.path(), plan("a"), false);
+    let folder = FrameFolder::new(root.path(), sequence("a"), false);
     fs::create_dir(folder.file_of(1)).expect("made");
     let error = keep(&folder, 1).expect_err("in the way").to_string();
     assert!(error.contains("frame_00001.png"), "{error}");

@@ -1,10 +1,13 @@
+//! Whether a file is a frame of the sequence, to the last byte what the program wrote for it.
+
 use super::format::FrameFormat;
 use super::picture::{Contents, Picture};
 use super::record::FrameRecord;
+use super::sequence::SequenceRecord;
 use std::io;
 use thiserror::Error;
 
-/// Why a frame is not proven.
+/// Why a frame is not verified.
 #[derive(Debug, Error)]
 pub enum VerifyError {
     /// There is no such file.
@@ -28,38 +31,42 @@ pub enum VerifyError {
     /// It is not what was written.
     #[error("altered after it was written")]
     Altered,
-    /// It was made from something else.
-    #[error("stale: made from another scene, path or settings, or by another version")]
+    /// It was made from other inputs.
+    #[error("stale: made from another scene, path or settings")]
     Stale,
+    /// It was rendered by another build of the program, whose pixels may differ.
+    #[error("rendered by build {0}: render it again, or accept it by --accept-build {0}")]
+    OtherBuild(String),
     /// The same of the map of its error.
     #[error("its error map is not right: {0}")]
     ErrorMap(Box<VerifyError>),
 }
 
-/// What a frame's file has to be.
+/// What the file of a frame has to be.
 pub(super) struct Expected<'a> {
     pub(super) frame: u32,
+    /// Of the file: an error map has another one than the sequence.
     pub(super) format: FrameFormat,
-    /// Columns and rows.
-    pub(super) size: (u32, u32),
-    pub(super) input_hash: &'a str,
+    pub(super) sequence: &'a SequenceRecord,
 }
 
 impl Expected<'_> {
-    /// Proves that the bytes of a file are what this program wrote for the frame, to the last of them: its pixels
-    /// are those that it says it has, and encoded anew they are the same bytes.
+    /// Verifies that the bytes of a file are what this program wrote for the frame, to the last of them: its pixels
+    /// have the hash that it states, and encoded anew they are the same bytes.
     pub(super) fn verify(&self, bytes: &[u8]) -> Result<(FrameRecord, Picture), VerifyError> {
         if bytes.is_empty() {
             return Err(VerifyError::Empty);
         }
-        let decoded = self.format.decode(bytes, self.size);
+        let sequence = self.sequence;
+        let size = (sequence.width, sequence.height);
+        let decoded = self.format.decode(bytes, size);
         let Contents { note, picture } = decoded.map_err(VerifyError::Damaged)?;
         let note = note.ok_or(VerifyError::Foreign)?;
         let record = FrameRecord::from_text(&note).ok_or(VerifyError::Foreign)?;
         if record.frame != self.frame {
             return Err(VerifyError::OtherFrame(record.frame));
         }
-        let is_stale = record.input_hash != self.input_hash;
+        let is_stale = record.input_hash != sequence.input_hashes[self.frame as usize];
         let Some(picture) = picture else {
             return Err(if is_stale {
                 VerifyError::Stale
@@ -73,6 +80,8 @@ impl Expected<'_> {
         }
         if is_stale {
             Err(VerifyError::Stale)
+        } else if !sequence.accepts(&record.build) {
+            Err(VerifyError::OtherBuild(record.build))
         } else {
             Ok((record, picture))
         }

@@ -1,13 +1,13 @@
 use crate::integrator::IntegratorSettings;
 use crate::render::{PixelSampling, RenderSettings};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
 /// How frames are rendered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(try_from = "String")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub enum Mode {
     /// Direct light, ambient light, mirrors.
     #[default]
@@ -49,6 +49,12 @@ impl TryFrom<String> for Mode {
     }
 }
 
+impl From<Mode> for String {
+    fn from(mode: Mode) -> String {
+        mode.to_string()
+    }
+}
+
 impl fmt::Display for Mode {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let found = Mode::NAMES.into_iter().find(|(_, mode)| mode == self);
@@ -57,8 +63,8 @@ impl fmt::Display for Mode {
 }
 
 /// How the montecarlo modes know the light that is gathered at what the camera sees.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(try_from = "String")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub enum GlobalIllumination {
     /// It is gathered at every camera sample.
     PathTraced,
@@ -78,6 +84,15 @@ impl FromStr for GlobalIllumination {
     }
 }
 
+impl From<GlobalIllumination> for String {
+    fn from(gi: GlobalIllumination) -> String {
+        match gi {
+            GlobalIllumination::PathTraced => "path-traced".to_owned(),
+            GlobalIllumination::Cached => "cached".to_owned(),
+        }
+    }
+}
+
 impl TryFrom<String> for GlobalIllumination {
     type Error = String;
 
@@ -87,28 +102,38 @@ impl TryFrom<String> for GlobalIllumination {
 }
 
 /// Render settings as far as one source gives them: a scene file, a path file or the command line.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// How frames are rendered.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub mode: Option<Mode>,
     /// Columns and rows.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<(u32, u32)>,
     /// Camera samples for each pixel, spread over its square.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<u32>,
     /// How many bounces are counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bounces: Option<u32>,
     /// How many paths go on from each diffuse bounce.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub splits: Option<Vec<u32>>,
     /// Chooses the random numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u32>,
     /// Whether all frames have the same random numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub lock_seed: Option<bool>,
     /// Exposure in stops.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<f32>,
     /// Samples are added until a frame's relMSE is below this.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub target_error: Option<f64>,
     /// How gathered light is known.
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub gi: Option<GlobalIllumination>,
 }
 

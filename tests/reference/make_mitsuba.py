@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders the references of tests/mitsuba.rs with Mitsuba 3.9.1 (pip install mitsuba==3.9.1 numpy; LLVM).
+"""Renders the references of tests/light/mitsuba.rs with Mitsuba 3.9.1 (pip install mitsuba==3.9.1 numpy; LLVM).
 
     tests/reference/make_mitsuba.py [NAME...]
 

@@ -1,5 +1,5 @@
 //! What the test programs share: scenes from text, cameras, and the program itself.
-#![allow(dead_code, reason = "each test program uses its part")]
+#![allow(dead_code, reason = "each test binary uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 pub(crate) mod project;

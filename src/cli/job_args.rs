@@ -1,0 +1,155 @@
+//! Arguments that several commands share: inputs, settings, jobs.
+
+use super::values::{AovArgument, FormatArgument, parse_size};
+use crate::frames::{FrameFolder, FrameFormat};
+use crate::input::{GlobalIllumination, Mode, Settings};
+use crate::job::{Job, JobError, JobOptions, Spec};
+use clap::Args;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+/// A scene and a camera path.
+#[derive(Debug, Args)]
+pub(super) struct InputArguments {
+    /// The scene file (RON)
+    pub(super) scene: PathBuf,
+    /// The camera path file (RON)
+    pub(super) path: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct ThreadsArgument {
+    /// Threads to use [default: all cores that the process may use]
+    #[arg(short, long, value_name = "N", env = "SLURM_CPUS_PER_TASK")]
+    pub(super) threads: Option<NonZeroUsize>,
+}
+
+/// What decides the frames of a sequence, and how they are made.
+#[derive(Debug, Args)]
+pub(super) struct JobArguments {
+    #[command(flatten)]
+    pub(super) input: InputArguments,
+    #[command(flatten)]
+    pub(super) settings: SettingsArguments,
+    /// File of the irradiance cache of --gi cached, shared with other jobs; baked if it is not there
+    /// [default: irradiance.cache in the folder of the frames]
+    #[arg(long, value_name = "FILE")]
+    gi_cache: Option<PathBuf>,
+    /// File format of the frames
+    #[arg(long, value_enum, default_value = "png")]
+    format: FormatArgument,
+    /// Also keep error_00000.exr beside each frame of the montecarlo modes: the estimated standard error of every pixel,
+    /// half the difference of its A and B half buffers, in linear light
+    #[arg(long, value_enum, value_name = "LAYER")]
+    aov: Option<AovArgument>,
+    /// Take frames and caches of another build for this one's (--version shows the build); may be given several times
+    #[arg(long = "accept-build", value_name = "ID")]
+    accepted_builds: Vec<String>,
+    #[command(flatten)]
+    threads: ThreadsArgument,
+}
+
+impl JobArguments {
+    pub(super) fn spec(&self, preview: bool) -> Spec {
+        Spec {
+            settings: self.settings.settings(),
+            format: FrameFormat::from(self.format),
+            error_maps: self.aov.is_some(),
+            irradiance_cache: self.gi_cache.clone(),
+            preview,
+            ..Spec::new(&self.input.scene, &self.input.path)
+        }
+    }
+
+    /// With `rebake`, a shared cache that cannot be used is baked anew.
+    pub(super) fn options(&self, rebake: bool) -> JobOptions {
+        JobOptions {
+            threads: self.threads.threads,
+            rebake,
+            accepted_builds: self.accepted_builds.clone(),
+        }
+    }
+}
+
+/// Where the inputs are now from which the frames of a folder were made.
+#[derive(Debug, Args)]
+pub(super) struct RecordedJobArguments {
+    /// The scene file [default: as recorded in the folder]
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
+    /// The camera path file [default: as recorded in the folder]
+    #[arg(long, value_name = "FILE")]
+    path: Option<PathBuf>,
+    /// Take frames of another build for this one's (--version shows the build); may be given several times
+    #[arg(long = "accept-build", value_name = "ID")]
+    pub(super) accepted_builds: Vec<String>,
+    #[command(flatten)]
+    pub(super) threads: ThreadsArgument,
+}
+
+impl RecordedJobArguments {
+    /// The job by which the frames of a folder were asked for, with its inputs as they are now.
+    pub(super) fn job_of(&self, folder: &FrameFolder) -> Result<Job, JobError> {
+        let options = JobOptions {
+            threads: self.threads.threads,
+            rebake: false,
+            accepted_builds: self.accepted_builds.clone(),
+        };
+        Job::of_folder(folder, self.scene.clone(), self.path.clone(), &options)
+    }
+}
+
+#[derive(Debug, Args)]
+pub(super) struct SettingsArguments {
+    /// raytracing, supersampling, montecarlo or montecarlo-supersampling [default: raytracing]
+    #[arg(short, long)]
+    mode: Option<Mode>,
+    /// Columns and rows, as in 1280x720 [default: 1280x720]
+    #[arg(short, long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<(u32, u32)>,
+    /// Camera samples of each pixel, stratified over its square [default: 1 in its middle, or 4 in its corners in the
+    /// supersampling modes]
+    #[arg(long, value_name = "N")]
+    samples: Option<u32>,
+    /// Mirror reflections; in the montecarlo modes all bounces [default: 4]
+    #[arg(long, value_name = "N")]
+    bounces: Option<u32>,
+    /// Paths that continue from the first, second, ... diffuse bounce in the montecarlo modes [default: 32,1,1,1]
+    #[arg(long, value_name = "N,N,...", value_delimiter = ',')]
+    splits: Option<Vec<u32>>,
+    /// Seed of the random numbers [default: 0]
+    #[arg(long, value_name = "N")]
+    seed: Option<u32>,
+    /// The same random numbers in all frames: noise stands still where the camera does [default: new ones in each frame]
+    #[arg(long)]
+    lock_seed: bool,
+    /// Exposure in stops: +1 doubles the light of PNG frames; EXR is not exposed [default: 0]
+    #[arg(long, value_name = "EV", allow_negative_numbers = true)]
+    exposure: Option<f32>,
+    /// Adaptive sampling in the montecarlo modes: stop when the upper 95 % bound of the frame's estimated relMSE is below X.
+    /// Noise is just visible at 0.01, and hardly at 0.001 [default: the samples given]
+    #[arg(long, value_name = "X")]
+    target_error: Option<f64>,
+    /// Indirect diffuse light in the montecarlo modes: path-traced for each camera sample, or cached: an irradiance cache
+    /// baked once for the sequence, many times as fast, its error a few thousandths on average
+    /// [default: cached for sequences, unless splits are set; path-traced for stills]
+    #[arg(long, value_name = "HOW")]
+    gi: Option<GlobalIllumination>,
+}
+
+impl SettingsArguments {
+    pub(super) fn settings(&self) -> Settings {
+        Settings {
+            mode: self.mode,
+            size: self.size,
+            samples: self.samples,
+            bounces: self.bounces,
+            splits: self.splits.clone(),
+            seed: self.seed,
+            lock_seed: self.lock_seed.then_some(true),
+            exposure: self.exposure,
+            target_error: self.target_error,
+            gi: self.gi,
+        }
+    }
+}

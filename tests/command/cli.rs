@@ -1,0 +1,402 @@
+//! The program as its users meet it.
+
+use crate::support::*;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+const PAIRS: [(&str, &str); 6] = [
+    ("test", "test"),
+    ("test1", "test"),
+    ("test2", "translate_rotate"),
+    ("test2", "zoom"),
+    ("test3", "test3"),
+    ("gallery", "gallery"),
+];
+
+/// Renders into a folder, small; returns the exit status and what was said on stderr.
+fn render_small(scene: &str, path: &str, out: &Path, more: &[&str]) -> (Option<i32>, String) {
+    let (scene, path) = (format!("scenes/{scene}.ron"), format!("paths/{path}.ron"));
+    let mut arguments = vec!["render", &scene, &path, "--out", out.to_str().unwrap()];
+    arguments.extend(["--size", "24x14", "--splits", "2"]);
+    arguments.extend(more);
+    let output = flythrough(&arguments);
+    (output.status.code(), stderr(&output))
+}
+
+/// A reader that has had enough, as `head`, is no fault.
+#[test]
+fn output_that_nobody_reads() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_flythrough"))
+        .current_dir(root())
+        .args(["check", "scenes/test3.ron", "paths/test3.ron"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(stderr(&output), "");
+}
+
+#[test]
+fn selftest_shows_every_case() {
+    let output = flythrough(&["selftest"]);
+    let table = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{table}");
+    for case in flythrough::selftest::CASES {
+        let named = |line: &&str| line.starts_with(&format!("  {} ", case.name));
+        let row = table.lines().find(named).expect(case.name);
+        assert!(
+            row.contains(case.measures) && row.ends_with("  ok"),
+            "{row}"
+        );
+    }
+}
+
+#[test]
+fn every_shipped_scene_and_path_is_named_here_and_has_nothing_odd_but_fast_turns() {
+    let names = |folder: &str| -> Vec<String> {
+        let entries = fs::read_dir(root().join(folder)).unwrap();
+        let files = entries.map(|e| e.unwrap().path());
+        let ron = files.filter(|f| f.extension().is_some_and(|e| e == "ron"));
+        ron.map(|f| f.file_stem().unwrap().to_str().unwrap().to_owned())
+            .collect()
+    };
+    for scene in names("scenes") {
+        assert!(PAIRS.iter().any(|(s, _)| *s == scene), "{scene}");
+    }
+    for path in names("paths") {
+        assert!(PAIRS.iter().any(|(_, p)| *p == path), "{path}");
+    }
+    for (scene, path) in PAIRS {
+        let output = flythrough(&[
+            "check",
+            &format!("scenes/{scene}.ron"),
+            &format!("paths/{path}.ron"),
+        ]);
+        let report = String::from_utf8(output.stdout.clone()).unwrap();
+        assert_eq!(output.status.code(), Some(0));
+        let warnings = stderr(&output);
+        let count = format!("warnings   {}\n", warnings.lines().count());
+        assert!(report.ends_with(&count), "{report}");
+        for warning in warnings.lines() {
+            let is_harmless = warning.contains("strobes") || warning.contains("repeats the first");
+            assert!(is_harmless, "{scene} {path}: {warning}");
+        }
+    }
+}
+
+#[test]
+fn every_shipped_scene_renders_in_every_mode() {
+    for (scene, path) in PAIRS {
+        for mode in [
+            "raytracing",
+            "supersampling",
+            "montecarlo",
+            "montecarlo-supersampling",
+        ] {
+            let out = tempfile::tempdir().unwrap();
+            let result = render_small(scene, path, out.path(), &["--mode", mode, "--frames", "0"]);
+            assert_eq!(result, (Some(0), String::new()), "{scene} {path} {mode}");
+            let file = out.path().join("frame_00000.png");
+            let picture = image::open(file).unwrap().into_rgb8();
+            assert_eq!(picture.dimensions(), (24, 14));
+            let light: u64 = picture.as_raw().iter().map(|&code| u64::from(code)).sum();
+            assert!(light > 24 * 14 * 3 * 20, "{scene} {path} {mode} is dark");
+        }
+    }
+}
+
+#[test]
+fn one_thread_and_three_write_the_same_files() {
+    let (one, three) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let more = ["--frames", "0-54:18", "--mode", "montecarlo-supersampling"];
+    for (out, threads) in [(&one, "1"), (&three, "3")] {
+        let threads = ["--threads", threads];
+        let result = render_small("test2", "zoom", out.path(), &[&more[..], &threads].concat());
+        assert_eq!(result.0, Some(0));
+    }
+    assert_eq!(frames(one.path()).len(), 4);
+    assert_eq!(frames(one.path()), frames(three.path()));
+}
+
+/// As many as the scheduler gives, unless the user says so.
+#[test]
+fn threads_are_those_that_slurm_gives() {
+    let threads = |given: &str, more: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_flythrough"))
+            .current_dir(root())
+            .args([
+                "quote",
+                "scenes/test.ron",
+                "paths/test.ron",
+                "--size",
+                "8x8",
+            ])
+            .args(more)
+            .env("SLURM_CPUS_PER_TASK", given)
+            .output()
+            .unwrap();
+        (
+            output.status.code(),
+            String::from_utf8(output.stdout).unwrap(),
+        )
+    };
+    for (given, more, expected) in [
+        ("1", &[][..], "on 1 threads"),
+        ("3", &[], "on 3 threads"),
+        ("3", &["-t", "2"], "on 2 threads"),
+    ] {
+        let (status, said) = threads(given, more);
+        assert!(
+            status == Some(0) && said.contains(expected),
+            "{given} {more:?}: {said}"
+        );
+    }
+    assert_eq!(threads("many", &[]).0, Some(2));
+}
+
+#[test]
+fn the_path_wins_over_the_scene_and_a_flag_over_both() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    file(
+        "s.ron",
+        "Scene(settings: (size: (10, 10), samples: 2), objects: [])",
+    );
+    file(
+        "p.ron",
+        "CameraPath(fps: 1, settings: (size: (20, 10)), keyframes: [(time: 0, position: (0, 0, 0), look_at: (0, 0, 1), fov: 50)])",
+    );
+    let [s, p, out] = ["s.ron", "p.ron", "out"].map(|n| folder.path().join(n));
+    let [s, p, out] = [&s, &p, &out].map(|n| n.to_str().unwrap());
+    let size = || image::image_dimensions(format!("{out}/frame_00000.png")).unwrap();
+    assert_eq!(
+        flythrough(&["render", s, p, "-o", out]).status.code(),
+        Some(0)
+    );
+    assert_eq!(size(), (20, 10));
+    let flag = ["render", s, p, "-o", out, "--size", "30x10"];
+    assert_eq!(flythrough(&flag).status.code(), Some(0));
+    assert_eq!(size(), (30, 10));
+}
+
+#[test]
+fn formats_hold_the_same_light() {
+    let out = tempfile::tempdir().unwrap();
+    let render = |format: &str, name: &str| {
+        let folder = out.path().join(format);
+        let more = ["--format", format, "--frames", "0", "--exposure", "0"];
+        assert_eq!(render_small("test", "test", &folder, &more).0, Some(0));
+        image::open(folder.join(name)).unwrap()
+    };
+    let eight = render("png", "frame_00000.png").into_rgb8();
+    let sixteen = render("png16", "frame_00000.png").into_rgb16();
+    let linear = render("exr", "frame_00000.exr").into_rgb32f();
+    for ((a, b), c) in eight
+        .as_raw()
+        .iter()
+        .zip(sixteen.as_raw())
+        .zip(linear.as_raw())
+    {
+        assert!((f64::from(*b) / 257.0 - f64::from(*a)).abs() <= 0.51);
+        let encoded = flythrough::math::color::linear_to_srgb(*c);
+        assert_eq!((encoded * 255.0).round() as u8, *a);
+    }
+}
+
+/// Every frame carries its error; the folder lists and draws those of all frames that are there, whichever
+/// run they are from, and frames of other modes have none.
+#[test]
+fn sequences_say_how_far_off_they_are() {
+    for (format, extension) in [("png", "png"), ("exr", "exr")] {
+        let out = tempfile::tempdir().unwrap();
+        let more = ["--mode", "montecarlo", "--format", format];
+        let render = |frames: &str| {
+            let frames = ["--frames", frames];
+            render_small("test3", "test3", out.path(), &[&more[..], &frames].concat())
+        };
+        assert_eq!(render("2-3").0, Some(0));
+        assert_eq!(render("0").0, Some(0));
+        let read = |name: &str| fs::read_to_string(out.path().join(name)).unwrap();
+        let table = read("errors.csv");
+        let rows: Vec<Vec<f64>> = table
+            .lines()
+            .skip(1)
+            .map(|row| row.split(',').map(|n| n.parse().unwrap()).collect())
+            .collect();
+        assert_eq!(table.lines().next(), Some("frame,relMSE,low,high"));
+        assert_eq!(
+            rows.iter().map(|row| row[0]).collect::<Vec<_>>(),
+            [0.0, 2.0, 3.0]
+        );
+        for row in &rows {
+            assert!(row[2] < row[1] && row[1] < row[3], "{row:?}");
+        }
+        let manifest = read("manifest.ron");
+        assert!(
+            manifest.contains(&format!("relative_square_error: {}", rows[2][1])),
+            "{manifest}"
+        );
+        assert!(read("errors.svg").contains("relMSE"));
+        assert!(
+            out.path()
+                .join(format!("frame_00003.{extension}"))
+                .is_file()
+        );
+    }
+    let out = tempfile::tempdir().unwrap();
+    let more = ["--mode", "raytracing", "--frames", "0"];
+    assert_eq!(render_small("test3", "test3", out.path(), &more).0, Some(0));
+    assert!(!out.path().join("errors.csv").exists());
+}
+
+#[test]
+fn error_maps_are_kept_beside_the_frames() {
+    let out = tempfile::tempdir().unwrap();
+    let more = ["--mode", "montecarlo", "--frames", "1", "--aov", "error"];
+    assert_eq!(render_small("test3", "test3", out.path(), &more).0, Some(0));
+    let map = image::open(out.path().join("error_00001.exr"))
+        .unwrap()
+        .into_rgb32f();
+    assert_eq!(map.dimensions(), (24, 14));
+    assert!(map.as_raw().iter().all(|error| *error >= 0.0));
+    // What is missing of a frame is made, even if the frame is there.
+    fs::remove_file(out.path().join("error_00001.exr")).unwrap();
+    assert_eq!(render_small("test3", "test3", out.path(), &more).0, Some(0));
+    assert!(out.path().join("error_00001.exr").is_file());
+    let noisy = map.as_raw().iter().filter(|error| **error > 0.0).count();
+    assert!(noisy > 24 * 14, "{noisy}");
+}
+
+/// All frames end below the target, whatever each of them needs for it.
+#[test]
+fn a_target_error_is_reached_in_every_frame() {
+    let out = tempfile::tempdir().unwrap();
+    let (scene, path) = ("scenes/test3.ron", "paths/test3.ron");
+    let folder = out.path().to_str().unwrap();
+    let start = ["render", scene, path, "-o", folder, "--mode", "montecarlo"];
+    let more = [
+        "--size",
+        "32x24",
+        "--splits",
+        "2",
+        "--target-error",
+        "0.02",
+        "--frames",
+        "0-40:20",
+    ];
+    let output = flythrough(&[&start[..], &more].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        said.contains("error (relMSE)") && said.contains("on average"),
+        "{said}"
+    );
+    let table = fs::read_to_string(out.path().join("errors.csv")).unwrap();
+    let errors = table.lines().skip(1).map(|row| {
+        let numbers: Vec<f64> = row.split(',').map(|n| n.parse().unwrap()).collect();
+        numbers[3]
+    });
+    let errors: Vec<f64> = errors.collect();
+    assert_eq!(errors.len(), 3);
+    assert!(errors.iter().all(|high| *high <= 0.02), "{errors:?}");
+}
+
+/// The light of a path is the same whichever of its frames are rendered, and none where nothing asks for it.
+#[test]
+fn light_of_the_path_is_the_same_for_parts_of_it() {
+    let out = tempfile::tempdir().unwrap();
+    let frames = |folder: &str, frames: &str| {
+        let folder = out.path().join(folder);
+        let more = ["--mode", "montecarlo", "--gi", "cached", "--frames", frames];
+        let (status, said) = render_small("test2", "zoom", &folder, &more);
+        assert_eq!(status, Some(0), "{said}");
+        fs::read(folder.join("frame_00040.png")).unwrap()
+    };
+    assert!(frames("some", "0,40") == frames("one", "40"));
+    for (more, wrong) in [
+        (
+            &["--mode", "raytracing", "--gi", "cached"][..],
+            "choose a montecarlo mode",
+        ),
+        (&["--gi", "often"], "neither path-traced nor cached"),
+        (
+            &["--mode", "montecarlo", "--gi", "cached", "--aov", "error"],
+            "take more camera samples",
+        ),
+    ] {
+        let (status, said) = render_small("test2", "zoom", &out.path().join("none"), more);
+        assert_eq!(status, Some(2));
+        assert!(said.contains(wrong), "{said}");
+    }
+}
+
+#[test]
+fn quiet_says_nothing() {
+    let out = tempfile::tempdir().unwrap();
+    let (scene, path) = ("scenes/test.ron", "paths/test.ron");
+    let out = out.path().to_str().unwrap();
+    let output = flythrough(&["render", scene, path, "-o", out, "--size", "8x8", "--quiet"]);
+    assert_eq!(output.status.code(), Some(0));
+    assert!(output.stdout.is_empty() && output.stderr.is_empty());
+}
+
+#[test]
+fn frames_that_cannot_be_written_are_named_and_the_others_go_on() {
+    let out = tempfile::tempdir().unwrap();
+    fs::create_dir(out.path().join("frame_00001.png")).unwrap();
+    let (status, message) = render_small(
+        "test3",
+        "test3",
+        out.path(),
+        &["--frames", "0-2", "--force"],
+    );
+    assert_eq!(status, Some(3));
+    assert!(
+        message.contains("frame 1 failed") && message.contains("frame_00001.png"),
+        "{message}"
+    );
+    assert!(out.path().join("frame_00000.png").is_file());
+    assert!(out.path().join("frame_00002.png").is_file());
+}
+
+/// Every kind of wrong command: exit status 2, and what the message must say.
+#[test]
+fn wrong_commands_are_refused() {
+    let cases: [(&[&str], &str); 12] = [
+        (&["--frames", "0-9999"], "the path has 0-48"),
+        (&["--frames", "5-1"], "0-99:2"),
+        (&["--size", "0x9"], "--size: 0 is not between 1 and"),
+        (&["--size", "9"], "1280x720"),
+        (&["--mode", "fast"], "montecarlo-supersampling"),
+        (&["--samples", "0"], "--samples: 0"),
+        (&["--splits", "3,0"], "--splits: 0"),
+        (&["--bounces", "99"], "--bounces: 99"),
+        (&["--threads", "0"], "--threads"),
+        (&["--aov", "error"], "nothing is left to chance"),
+        (&["--target-error", "2"], "--target-error: 2 is not between"),
+        (
+            &["--mode", "supersampling", "--target-error", "0.1"],
+            "supersampling has no noise",
+        ),
+    ];
+    for (more, expected) in cases {
+        let out = tempfile::tempdir().unwrap();
+        let folder = out.path().to_str().unwrap();
+        let start = [
+            "render",
+            "scenes/test3.ron",
+            "paths/test3.ron",
+            "-o",
+            folder,
+        ];
+        let output = flythrough(&[&start, more].concat());
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{more:?}");
+        assert!(message.contains(expected), "{more:?}: {message}");
+        assert!(frames(out.path()).is_empty());
+    }
+}

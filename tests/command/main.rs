@@ -1,0 +1,12 @@
+//! The program and its subcommands as their users meet them.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod cli;
+mod path_command;
+mod path_plot;
+mod preflight;
+mod quote_and_audit;
+mod report;

@@ -1,0 +1,263 @@
+//! Pictures of camera paths, as `flythrough path plot` makes them.
+
+use crate::support::{flythrough, root, scene, stderr};
+use base64::Engine;
+use flythrough::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
+use flythrough::drawing::path_plot::plot;
+use flythrough::scene::Scene;
+use glam::{DQuat, DVec2, DVec3};
+use resvg::usvg;
+
+const BLUE: &str = "#0072B2";
+const WIDE: f64 = 16.0 / 9.0;
+
+/// Units of the sheet in a pixel.
+const UNITS: f64 = 4.0;
+
+fn empty() -> Scene {
+    scene("Scene(objects: [])")
+}
+
+fn path(keys: &[(f64, DVec3, f64)]) -> CameraPath {
+    let key = |&(time, position, degrees): &(f64, DVec3, f64)| Keyframe {
+        time,
+        position,
+        orientation: Orientation::Rotation(DQuat::from_rotation_y(degrees.to_radians())),
+        field_of_view: 1.0,
+        segment: Segment::of(Shape::Linear),
+    };
+    let keys: Vec<Keyframe> = keys.iter().map(key).collect();
+    CameraPath::new(10.0, &keys, &Pace::BY_KEYS).unwrap()
+}
+
+fn drawn(scene: &Scene, path: &CameraPath) -> String {
+    let svg = plot(scene, path, WIDE, "a & b").unwrap();
+    let tree = usvg::Tree::from_str(&svg, &usvg::Options::default()).unwrap();
+    assert_eq!(
+        (tree.size().width(), tree.size().height()),
+        (1200.0, 1000.0)
+    );
+    // Pictures are letters in any order.
+    let is_drawn = |line: &&str| !line.starts_with("<image");
+    let drawn: String = svg.lines().filter(is_drawn).collect();
+    assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
+    svg
+}
+
+fn attribute<'a>(element: &'a str, name: &str) -> &'a str {
+    let (_, rest) = element.split_once(&format!(" {name}=\"")).expect(name);
+    rest.split('"').next().unwrap()
+}
+
+fn number(element: &str, name: &str) -> f64 {
+    attribute(element, name).parse().unwrap()
+}
+
+/// The vertices of the camera's path in the plan and in the elevation: the blue lines before those of charts.
+fn path_lines(svg: &str) -> [Vec<DVec2>; 2] {
+    let lines = svg
+        .lines()
+        .filter(|line| line.starts_with("<polyline") && attribute(line, "stroke") == BLUE);
+    let vertices = |line: &str| {
+        let points = attribute(line, "points").split_whitespace();
+        points
+            .map(|point| {
+                let (x, y) = point.split_once(',').unwrap();
+                DVec2::new(x.parse().unwrap(), y.parse().unwrap())
+            })
+            .collect()
+    };
+    // The first is in the legend.
+    let mut lines = lines.skip(1).map(vertices);
+    [lines.next().unwrap(), lines.next().unwrap()]
+}
+
+/// The embedded picture with such a number: its place on the sheet, and its pixels.
+fn picture(svg: &str, which: usize) -> ([f64; 4], image::GrayImage) {
+    let element = svg
+        .lines()
+        .filter(|line| line.starts_with("<image"))
+        .nth(which)
+        .unwrap();
+    let place = ["x", "y", "width", "height"].map(|name| number(element, name));
+    let data = attribute(element, "href")
+        .strip_prefix("data:image/png;base64,")
+        .unwrap();
+    let png = base64::engine::general_purpose::STANDARD
+        .decode(data)
+        .unwrap();
+    (place, image::load_from_memory(&png).unwrap().into_luma8())
+}
+
+/// Where pictures have something: the middle of all that is not white, on the sheet.
+fn middle_of_what_is_there(svg: &str, which: usize) -> DVec2 {
+    let (place, picture) = picture(svg, which);
+    let there = picture
+        .enumerate_pixels()
+        .filter(|(_, _, grey)| grey.0[0] < 255);
+    let (mut from, mut to) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+    for (x, y, _) in there {
+        let pixel = DVec2::new(f64::from(x), f64::from(y));
+        from = from.min(pixel);
+        to = to.max(pixel + 1.0);
+    }
+    let size = DVec2::new(picture.width().into(), picture.height().into());
+    DVec2::new(place[0], place[1]) + DVec2::new(place[2], place[3]) * (0.5 * (from + to) / size)
+}
+
+/// Numbers at the lower and at the left axis of the panel with a title, with their places along it.
+fn marks(svg: &str, title: &str) -> [Vec<(f64, f64)>; 2] {
+    let (_, rest) = svg.split_once(title).unwrap();
+    let (axes, _) = rest.split_once("<polygon").unwrap();
+    let lines: Vec<&str> = axes.lines().collect();
+    let of = |anchor: &str, along: &str| {
+        let texts = lines.windows(2).filter(|pair| {
+            pair[0].starts_with("<text") && attribute(pair[0], "text-anchor") == anchor
+        });
+        let marks = texts.filter_map(|pair| {
+            let value: f64 = pair[1].parse().ok()?;
+            Some((value, number(pair[0], along)))
+        });
+        marks.collect()
+    };
+    [of("middle", "x"), of("end", "y")]
+}
+
+/// What a line through marks says at a place.
+fn read(marks: &[(f64, f64)], place: f64) -> f64 {
+    let ((a, from), (b, to)) = (marks[0], marks[marks.len() - 1]);
+    assert!(marks.len() > 1 && from != to);
+    a + (b - a) * (place - from) / (to - from)
+}
+
+#[test]
+fn every_frame_has_its_place_at_the_axes() {
+    let keys = [
+        (0.0, DVec3::new(1.0, 2.0, -1.0), 0.0),
+        (1.0, DVec3::new(2.0, 3.0, -9.0), 0.0),
+    ];
+    let path = path(&keys);
+    let svg = drawn(&empty(), &path);
+    assert!(svg.contains("a &amp; b: 11 frames at 10 per second, 1 s, 8.12 m"));
+    let panels = [
+        ("SequenceRecord: ", [0, 2]),
+        ("Elevation: towards +x", [2, 1]),
+    ];
+    for (line, (title, axes)) in path_lines(&svg).iter().zip(panels) {
+        assert_eq!(line.len(), 11);
+        let [lower, left] = marks(&svg, title);
+        for (frame, vertex) in (0..).zip(line) {
+            let position = path.camera(frame).position;
+            let read = [read(&lower, vertex.x), read(&left, vertex.y)];
+            for (read, axis) in read.iter().zip(axes) {
+                assert!((read - position[axis]).abs() < 0.03, "{frame}: {read}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_scene_is_where_the_path_is() {
+    // A ball below and beside the middle of the path.
+    let ball = scene(
+        "Scene(materials: {\"m\": (diffuse: (1, 1, 1))}, objects: [
+            sphere(center: (1000003, -2, 7), radius: 0.5, material: \"m\"),
+        ])",
+    );
+    let at = |x: f64, z: f64| DVec3::new(1e6 + x, -1.0, z);
+    for [from, to] in [[at(1.0, 7.0), at(5.0, 7.0)], [at(3.0, 4.0), at(3.0, 10.0)]] {
+        let svg = drawn(&ball, &path(&[(0.0, from, 0.0), (1.0, to, 0.0)]));
+        let [plan, elevation] = path_lines(&svg);
+        let difference = middle_of_what_is_there(&svg, 0) - plan[5];
+        assert!(difference.abs().max_element() <= UNITS, "{difference}");
+        // A metre below the path.
+        let difference = middle_of_what_is_there(&svg, 1) - elevation[5];
+        assert!(
+            difference.x.abs() <= UNITS && difference.y > 0.0,
+            "{difference}"
+        );
+        let metre = if from.x == to.x {
+            (elevation[10].x - elevation[0].x) / 6.0
+        } else {
+            (elevation[10].x - elevation[0].x) / 4.0
+        };
+        assert!((difference.y - metre).abs() <= 2.0 * UNITS, "{difference}");
+    }
+}
+
+#[test]
+fn all_paths_can_be_drawn() {
+    let spot = DVec3::new(1.0, 2.0, 3.0);
+    let far = DVec3::splat(1e6);
+    let room = scene(
+        "Scene(materials: {\"m\": (diffuse: (1, 1, 1))}, objects: [
+            sphere(radius: 2, material: \"m\"),
+        ])",
+    );
+    let paths = [
+        ("still", path(&[(0.0, spot, 0.0)])),
+        ("turning", path(&[(0.0, spot, 0.0), (3.0, spot, 170.0)])),
+        ("standing", path(&[(0.0, spot, 0.0), (3.0, spot, 0.0)])),
+        (
+            "vertical",
+            path(&[(0.0, spot, 0.0), (3.0, spot + DVec3::Y, 0.0)]),
+        ),
+        (
+            "level",
+            path(&[(0.0, spot, 0.0), (3.0, spot + DVec3::X, 0.0)]),
+        ),
+        ("far", path(&[(0.0, far, 0.0), (3.0, far + DVec3::Z, 0.0)])),
+        ("far still", path(&[(0.0, far, 0.0)])),
+        ("long", path(&[(0.0, -far, 0.0), (3.0, far, 0.0)])),
+        ("short", path(&[(0.0, spot, 0.0), (3.0, spot + 1e-9, 0.0)])),
+        (
+            "inside",
+            path(&[(0.0, DVec3::ZERO, 0.0), (3.0, DVec3::X, 0.0)]),
+        ),
+    ];
+    for (name, path) in &paths {
+        for scene in [&room, &empty()] {
+            let svg = drawn(scene, path);
+            let says = |what: &str| svg.lines().any(|line| line.trim() == what);
+            assert!(says("start") && says("end") || says("start, end"), "{name}");
+        }
+    }
+}
+
+#[test]
+fn of_many_frames_and_keys_no_more_is_drawn_than_is_seen() {
+    let key = |number: u32| {
+        let angle = f64::from(number) * 0.01;
+        let position = DVec3::new(angle.cos(), 0.1 * angle, angle.sin()) * 10.0;
+        (f64::from(number), position, 0.0)
+    };
+    let keys: Vec<(f64, DVec3, f64)> = (0..1001).map(key).collect();
+    let path = path(&keys);
+    assert_eq!(path.timeline().frame_count(), 10_001);
+    let svg = drawn(&empty(), &path);
+    let count = |start: &str| svg.lines().filter(|line| line.starts_with(start)).count();
+    assert!(count("<circle") <= 2 * 120 + 10, "{}", count("<circle"));
+    assert!(count("<text") < 300, "{}", count("<text"));
+    assert!(svg.len() < 1_000_000, "{}", svg.len());
+}
+
+#[test]
+fn the_command_writes_a_file_or_says_why_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("path.svg");
+    let [scene, path] = ["scenes/test3.ron", "paths/test3.ron"].map(|file| root().join(file));
+    let [scene, path] = [&scene, &path].map(|file| file.to_str().unwrap());
+    let plot = |path: &str, out: &std::path::Path| {
+        flythrough(&["path", "plot", scene, path, "--out", out.to_str().unwrap()])
+    };
+    let output = plot(path, &out);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let svg = std::fs::read_to_string(&out).unwrap();
+    usvg::Tree::from_str(&svg, &usvg::Options::default()).unwrap();
+    assert!(svg.contains("test3: 49 frames"));
+    let nowhere = folder.path().join("no/path.svg");
+    let output = plot(path, &nowhere);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("path.svg"));
+    assert_eq!(plot(scene, &out).status.code(), Some(2));
+}

@@ -1,0 +1,160 @@
+//! What is said of the shipped paths, and of walks through what stands in the shipped gallery.
+
+use crate::support::{shipped_path, shipped_scene};
+use flythrough::camera::CameraPath;
+use flythrough::camera_formats::load_camera_path;
+use flythrough::input::InputFiles;
+use flythrough::preflight::{Oddity, preflight};
+
+const NEAR: f64 = 0.1;
+
+fn loaded(text: &str) -> CameraPath {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("path.ron");
+    std::fs::write(&file, text).unwrap();
+    load_camera_path(&file, &mut InputFiles::default())
+        .unwrap()
+        .path
+}
+
+/// Four seconds straight along -Z.
+fn walk([x, y]: [f64; 2], from: f64, to: f64) -> CameraPath {
+    let key = |time: f64, z: f64| {
+        let position = format!("position: ({x}, {y}, {z})");
+        format!(
+            "(time: {time:?}, {position}, look_at: ({x}, {y}, {:?}), fov: 50),",
+            z - 100.0
+        )
+    };
+    let keys = key(0.0, from) + &key(4.0, to);
+    loaded(&format!(
+        "CameraPath(fps: 24, interpolation: linear, keyframes: [{keys}])"
+    ))
+}
+
+#[test]
+fn shipped_paths_touch_nothing_and_are_smooth() {
+    for (scene, path) in [
+        ("gallery.ron", "gallery.ron"),
+        ("test2.ron", "translate_rotate.ron"),
+        ("test2.ron", "zoom.ron"),
+        ("test3.ron", "test3.ron"),
+        ("test.ron", "test.ron"),
+        ("test1.ron", "test.ron"),
+    ] {
+        let path = shipped_path(path);
+        for finding in preflight(&shipped_scene(scene), &path, 1280, 720, NEAR) {
+            let is_harmless =
+                matches!(finding.kind, Oddity::Strobing { .. } | Oddity::RepeatsFirst);
+            assert!(is_harmless, "{scene}: {finding}");
+        }
+    }
+}
+
+/// A sphere, a mesh whose faces look outward and one whose faces look inward and that is open at its foot.
+#[test]
+fn walks_through_exhibits_are_found() {
+    let scene = shipped_scene("gallery.ron");
+    let globe = (walk([-1.7, 1.4], -13.0, -15.0), -13.6, -14.4);
+    let pedestal = (walk([1.7, 0.5], -9.0, -11.0), -9.74, -10.26);
+    let figure = (walk([1.7, 1.5], -9.0, -11.0), -9.74, -10.26);
+    for (path, first, last) in [globe, pedestal, figure] {
+        let found = preflight(&scene, &path, 1280, 720, NEAR);
+        assert!(matches!(found[0].kind, Oddity::Inside { .. }), "{found:?}");
+        let &[[enters, leaves]] = found[0].frames.runs() else {
+            panic!("{found:?}")
+        };
+        let z = |frame: u32| path.camera(frame).position.z;
+        assert!((z(enters) - first).abs() < 0.03, "{}", z(enters));
+        assert!((z(leaves) - last).abs() < 0.03, "{}", z(leaves));
+        assert_eq!(found[1].kind, Oddity::Through);
+        assert_eq!(found[1].frames.runs(), [[enters - 1; 2], [leaves; 2]]);
+        assert!(matches!(found[2].kind, Oddity::Near { .. }));
+    }
+    let beside = walk([0.0, 1.7], 1.2, -4.0);
+    assert_eq!(preflight(&scene, &beside, 1280, 720, NEAR), []);
+}
+
+/// Of each way to go around: what it should be told, and nothing else.
+#[test]
+fn ways_to_go_around_are_told_apart() {
+    // Around the middle of the hall, far from all exhibits.
+    let corners = [
+        (1.2, -3.0),
+        (-1.2, -3.4),
+        (-1.0, -5.0),
+        (1.1, -5.2),
+        (1.2, -3.0),
+    ];
+    let keys = |more: &str, end: f64| -> String {
+        let keys = corners.iter().enumerate().map(|(i, (x, z))| {
+            let time = 6.0 * i as f64;
+            let x = if i == 4 { x + end } else { *x };
+            format!(
+                "(time: {time}, position: ({x}, 1.7, {z}), look_at: (0, 2.0, -40), fov: 50{more}),"
+            )
+        });
+        keys.collect()
+    };
+    let path = |fields: &str, more: &str, end: f64| {
+        loaded(&format!(
+            "CameraPath(fps: 24, {fields} keyframes: [{}])",
+            keys(more, end)
+        ))
+    };
+    let scene = shipped_scene("gallery.ron");
+    let found = |path: &CameraPath| -> Vec<String> {
+        let found = preflight(&scene, path, 1280, 720, NEAR);
+        let names = found.iter().map(|finding| format!("{:?}", finding.kind));
+        names
+            .map(|name| name.split(' ').next().unwrap().to_owned())
+            .collect()
+    };
+    let smooth: [&str; 0] = [];
+    assert_eq!(found(&path("", "", 0.0)), ["RepeatsFirst"]);
+    assert_eq!(found(&path("", "", 0.5)), smooth);
+    for fields in ["closed: true,", "closed: true, speed: constant,"] {
+        assert_eq!(found(&path(fields, "", 0.0)), smooth, "{fields}");
+    }
+    let eased = path("ease_in: 2, ease_out: 2, speed: constant,", "", 0.5);
+    assert_eq!(found(&eased), smooth);
+    let stops = path("interpolation: linear,", ", ease: in_out", 0.5);
+    assert_eq!(found(&stops), smooth);
+    let corners = path("interpolation: linear,", "", 0.5);
+    assert_eq!(found(&corners), ["VelocityJump"]);
+    let seam = path("interpolation: linear, closed: true,", "", 0.0);
+    assert_eq!(found(&seam), ["VelocityJump", "VelocityJumpAtSeam"]);
+    // Cuts are no jumps.
+    assert_eq!(found(&path("interpolation: hold,", "", 0.5)), smooth);
+}
+
+/// Close to straight above what it looks at.
+#[test]
+fn look_at_near_the_vertical_is_found() {
+    let key = |time: u32, x: f64| {
+        format!("(time: {time}, position: ({x}, 3, -4), look_at: (0, 0, -4.03), fov: 50),")
+    };
+    let text = format!(
+        "CameraPath(fps: 24, interpolation: linear, keyframes: [{}{}])",
+        key(0, -0.61),
+        key(4, 0.6)
+    );
+    let found = preflight(
+        &shipped_scene("gallery.ron"),
+        &loaded(&text),
+        1280,
+        720,
+        NEAR,
+    );
+    let spins = found
+        .iter()
+        .find(|f| matches!(f.kind, Oddity::Spinning { .. }));
+    let spins = spins.expect("a picture that spins");
+    let &[[first, last]] = spins.frames.runs() else {
+        panic!("{spins}")
+    };
+    assert!(
+        first <= 48 && last >= 48 && spins.frames.count() < 12,
+        "{spins}"
+    );
+}

@@ -1,0 +1,289 @@
+//! The report on speed against error, small, and what it is built on.
+
+use crate::support::statistics::spread;
+use crate::support::*;
+use flythrough::metrics::{BiasCheck, HeldOutPixel};
+use flythrough::render::{PixelSampling, RenderSettings};
+use std::collections::BTreeSet;
+use std::fs;
+
+const SIZE: [u32; 2] = [64, 48];
+
+/// Every fifth pixel of test3 by a technique, twice, and by what is right, twice.
+fn held_out(technique: &RenderSettings) -> Vec<HeldOutPixel> {
+    let scene = shipped_scene("test3.ron");
+    let camera = shipped_path("test3.ron").camera(20);
+    let all = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
+    let pixels: Vec<(u32, u32)> = all.step_by(5).collect();
+    let render =
+        |settings: &RenderSettings| renderer(&scene, settings).render_pixels(&camera, 0, &pixels);
+    let oracle = RenderSettings {
+        seed: 1000,
+        ..spread(monte_carlo(4, &[1]), SIZE, 512)
+    };
+    let pictures = [0, 1].map(|seed| {
+        let settings = RenderSettings {
+            seed,
+            ..technique.clone()
+        };
+        render(&settings).into_iter().map(|[a, b]| 0.5 * (a + b))
+    });
+    let [first, second] = pictures;
+    let both = first.zip(second).zip(render(&oracle));
+    both.map(|((c1, c2), oracle)| HeldOutPixel {
+        technique: [c1, c2],
+        oracle,
+    })
+    .collect()
+}
+
+/// Three bounces in place of four, noise that is cut off at some brightness, and pictures that are right in
+/// the mean but not in the pixels.
+#[test]
+fn what_is_biased_is_caught_and_what_is_not_is_not() {
+    let right = spread(monte_carlo(4, &[2]), SIZE, 16);
+    let check = |pixels: &[HeldOutPixel]| BiasCheck::of(pixels, 0.0);
+    let fair = check(&held_out(&right));
+    assert!(!fair.is_biased(), "{fair:?}");
+    let few_bounces = check(&held_out(&spread(monte_carlo(3, &[2]), SIZE, 16)));
+    assert!(few_bounces.is_biased(), "{few_bounces:?}");
+    assert!(few_bounces.mean_bias.mean < 0.0);
+    let mut clamped = held_out(&right);
+    for pixel in &mut clamped {
+        pixel.technique = pixel
+            .technique
+            .map(|light| light.min(glam::Vec3::splat(0.3)));
+    }
+    assert!(check(&clamped).is_biased());
+    // One sample in the pixel's middle: no smooth edges.
+    let aliased = check(&held_out(&settings(
+        monte_carlo(4, &[256]),
+        SIZE[0],
+        SIZE[1],
+    )));
+    assert!(aliased.is_biased(), "{aliased:?}");
+}
+
+#[test]
+fn single_pixels_are_those_of_the_frame() {
+    let scene = shipped_scene("test3.ron");
+    let camera = shipped_path("test3.ron").camera(3);
+    for sampling in [
+        PixelSampling::Center,
+        PixelSampling::Corners,
+        PixelSampling::Spread(4),
+    ] {
+        for integrator in [monte_carlo(2, &[4]), ray_tracing()] {
+            let settings = RenderSettings {
+                sampling,
+                ..settings(integrator, 20, 15)
+            };
+            let renderer = renderer(&scene, &settings);
+            let frame = renderer.render_frame(&camera, 7);
+            let pixels = [(0, 0), (19, 14), (10, 7), (3, 11)];
+            let single = renderer.render_pixels(&camera, 7, &pixels);
+            for ((x, y), [a, b]) in pixels.iter().zip(single) {
+                let number = (y * 20 + x) as usize;
+                assert_close(0.5 * (a + b), frame.film.pixels()[number], 1e-6);
+                let deviation = frame.deviation.as_ref().map(|d| d.pixels()[number]);
+                assert_close(0.5 * (a - b), deviation.unwrap_or_default(), 1e-6);
+            }
+        }
+    }
+}
+
+/// The noise of frames with a locked seed is the same; without, it is not.
+#[test]
+fn seeds_are_locked_or_not() {
+    let scene = shipped_scene("test3.ron");
+    let camera = shipped_path("test3.ron").camera(0);
+    for lock_seed in [true, false] {
+        let settings = RenderSettings {
+            lock_seed,
+            ..settings(monte_carlo(2, &[2]), 12, 9)
+        };
+        let renderer = renderer(&scene, &settings);
+        let [a, b] = [0, 1].map(|frame| renderer.render_frame(&camera, frame));
+        assert_eq!(a.film == b.film, lock_seed);
+    }
+}
+
+#[test]
+fn a_report_has_everything_and_keeps_its_references() {
+    let out = tempfile::tempdir().unwrap();
+    let scene = out.path().join("s.ron");
+    let path = out.path().join("p.ron");
+    fs::write(
+        &scene,
+        "Scene(
+            settings: (size: (64, 48), bounces: 1),
+            materials: {\"grey\": (diffuse: (0.5, 0.5, 0.5))},
+            lights: [(position: (0, 0.5, 0), intensity: (2, 2, 2))],
+            objects: [sphere(center: (0, 0, 0), radius: 1, material: \"grey\"),
+                      sphere(center: (0, -0.6, -0.3), radius: 0.2, material: \"grey\")],
+        )",
+    )
+    .unwrap();
+    let keys = "(time: 0, position: (0, 0, 0.9), look_at: (0, 0, 0), fov: 60),
+                (time: 0.1, position: (0.01, 0, 0.9), look_at: (0, 0, 0), fov: 60)";
+    fs::write(&path, crate::support::path(keys)).unwrap();
+    let folder = out.path().join("report");
+    let arguments = [
+        "report",
+        scene.to_str().unwrap(),
+        path.to_str().unwrap(),
+        "--out",
+        folder.to_str().unwrap(),
+        "--size",
+        "16x12",
+        "--frames",
+        "1",
+        "--seeds",
+        "2",
+        "--reference-error",
+        "0.001",
+    ];
+    let run = || {
+        let output = flythrough(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        String::from_utf8(output.stdout).unwrap()
+    };
+    let said = run();
+    assert!(said.contains("relMSE 0.01: `--mode"), "{said}");
+    assert!(said.contains("Flicker with 32 paths"), "{said}");
+    assert!(said.contains("biased: raytracing"), "{said}");
+    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
+    let measured = report["measurements"].as_array().unwrap();
+    let techniques = flythrough::report::techniques();
+    assert_eq!(measured.len(), techniques.len());
+    assert_eq!(read("report.csv").lines().count(), techniques.len() + 1);
+    // What every picture of the report is: there.
+    let text = read("report.md");
+    let pictures: BTreeSet<&str> = text
+        .split("](")
+        .skip(1)
+        .filter_map(|rest| rest.split(')').next())
+        .collect();
+    assert!(pictures.len() > 10);
+    for picture in pictures {
+        assert!(image::open(folder.join(picture)).is_ok(), "{picture}");
+    }
+    for technique in &techniques {
+        assert!(text.contains(&technique.flags()), "{}", technique.flags());
+    }
+    // More samples, less error; and what frames say of theirs is nearly that.
+    let errors = |flags: &str| {
+        let row = measured.iter().find(|row| row["flags"] == flags).unwrap();
+        ["relative_square_error", "own_estimate"].map(|key| row[key].as_f64().unwrap())
+    };
+    let few = errors("--mode montecarlo --samples 4 --splits 1");
+    let many = errors("--mode montecarlo --samples 256 --splits 1");
+    assert!(few[0] > 10.0 * many[0], "{few:?} {many:?}");
+    assert!((few[0] / few[1] - 1.0).abs() < 0.3, "{few:?}");
+    // Light of the path: for fewer rays less error, and its seconds have the share of what it took.
+    let number = |value: &serde_json::Value| value.as_f64().unwrap();
+    let bake = &report["bake"];
+    assert_eq!(bake["frames"], 3);
+    assert!(number(&bake["places"][0]) > 10.0, "{bake}");
+    assert!(text.contains("The light of the path takes"));
+    let share = number(&bake["seconds"]) / 3.0;
+    let mut looked_up = 0;
+    for row in measured {
+        let [width, height] = [0, 1].map(|i| number(&row["size"][i]));
+        let is_looked_up = row["flags"].as_str().unwrap().contains("--gi cached");
+        looked_up += u32::from(is_looked_up);
+        let of_frame = number(&row["seconds"]) * 64.0 * 48.0 / (width * height);
+        let expected = of_frame + if is_looked_up { share } else { 0.0 };
+        let off = number(&row["full_size_seconds"]) / expected - 1.0;
+        assert!(off.abs() < 1e-9, "{row}");
+    }
+    assert_eq!(looked_up, 4);
+    let rays_and_error = |flags: &str| {
+        let row = measured.iter().find(|row| row["flags"] == flags).unwrap();
+        ["rays", "relative_square_error"].map(|key| number(&row[key]))
+    };
+    let path = rays_and_error("--mode montecarlo --samples 16 --gi cached");
+    let exact = rays_and_error("--mode montecarlo --samples 16 --splits 1");
+    assert!(path[0] < exact[0], "{path:?} {exact:?}");
+    assert!(10.0 * path[1] < exact[1], "{path:?} {exact:?}");
+    let checked = report["bias"].as_array().unwrap();
+    let of_path = |row: &&serde_json::Value| row["curve"] == "montecarlo, light of the path";
+    assert_eq!(checked.iter().filter(of_path).count(), 1);
+    let flicker = |kind: &str| {
+        let rows = report["flicker"].as_array().unwrap().iter();
+        let squares = rows.filter(|row| row["kind"] == kind);
+        let squares: Vec<f64> = squares.map(|row| number(&row["square"]["mean"])).collect();
+        assert_eq!(squares.len(), 2);
+        squares.iter().sum::<f64>() / 2.0
+    };
+    let noise = flicker("exact, new seed in each frame");
+    for kind in ["light of the path", "direct light alone"] {
+        assert!(
+            30.0 * flicker(kind) < noise,
+            "{kind}: {} {noise}",
+            flicker(kind)
+        );
+    }
+    for reference in report["references"].as_array().unwrap() {
+        // The window's is better than the frames'.
+        let most = if reference["size"][0] == 16 {
+            1e-3
+        } else {
+            1e-5
+        };
+        let own = &reference["relative_square_error"];
+        assert!(own.as_f64().unwrap() < most, "{reference}");
+    }
+    // Made once: a second run finds them as they are, and another scene's are made anew.
+    let references = || -> Vec<Vec<u8>> {
+        let files = fs::read_dir(folder.join("references")).unwrap();
+        let mut files: Vec<_> = files.map(|file| file.unwrap().path()).collect();
+        files.sort();
+        files.iter().map(|file| fs::read(file).unwrap()).collect()
+    };
+    let made = references();
+    let modified = |folder: &std::path::Path| {
+        let files = fs::read_dir(folder.join("references")).unwrap();
+        files
+            .map(|f| f.unwrap().metadata().unwrap().modified().unwrap())
+            .max()
+    };
+    let before = modified(&folder);
+    run();
+    assert_eq!(modified(&folder), before);
+    // Where nothing is gathered there is no light of the path; and what files set is not what was measured.
+    let darker = fs::read_to_string(&scene)
+        .unwrap()
+        .replace("bounces: 1", "bounces: 0, gi: \"path\"");
+    fs::write(&scene, darker).unwrap();
+    let said = run();
+    assert!(
+        said.contains("sets gi, which the report leaves out"),
+        "{said}"
+    );
+    let report: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
+    assert_eq!(report["bake"]["places"], serde_json::json!([0, 0]));
+    assert_ne!(references(), made);
+}
+
+#[test]
+fn wrong_reports_are_refused() {
+    let cases: [(&[&str], &str); 4] = [
+        (&["--frames", "99"], "--frames: there is no frame 99"),
+        (&["--size", "0x9"], "--size: 0 is not between 1 and"),
+        (
+            &["--reference-error", "0"],
+            "--reference-error: 0 is not between",
+        ),
+        (&["--seeds", "1"], "--seeds"),
+    ];
+    for (more, expected) in cases {
+        let out = tempfile::tempdir().unwrap();
+        let out = out.path().to_str().unwrap();
+        let start = ["report", "scenes/test3.ron", "paths/test3.ron", "-o", out];
+        let output = flythrough(&[&start, more].concat());
+        assert_eq!(output.status.code(), Some(2), "{more:?}");
+        assert!(stderr(&output).contains(expected), "{}", stderr(&output));
+    }
+}

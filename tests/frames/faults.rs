@@ -1,0 +1,430 @@
+//! Whatever happens to a batch: nothing that is finished is lost, nothing that is there is half a frame, and the
+//! exit status says whether to try again. What needs a file system of its own needs root.
+
+use crate::support::*;
+use rustix::process::{Pid, Signal, kill_process};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// Interrupted: the same command goes on from there.
+const INTERRUPTED: Option<i32> = Some(75);
+
+/// A path of so many frames through `test3`, in a folder that the frames go to folders of.
+struct Batch {
+    folder: tempfile::TempDir,
+}
+
+impl Batch {
+    fn new(frames: u32) -> Batch {
+        let folder = tempfile::tempdir().unwrap();
+        let last = frames - 1;
+        let path = format!(
+            "CameraPath(fps: 1, interpolation: linear, keyframes: [
+                (time: 0, position: (0, 0, 3), look_at: (0, 0, 0), fov: 45),
+                (time: {last}, position: (0.3, 0.2, 2.5), look_at: (0, 0, 0), fov: 45),
+            ])"
+        );
+        fs::write(folder.path().join("p.ron"), path).unwrap();
+        Batch { folder }
+    }
+
+    fn command(&self, out: &Path, more: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_flythrough"));
+        command
+            .current_dir(root())
+            .args(["render", "scenes/test3.ron"])
+            .args([&self.folder.path().join("p.ron"), Path::new("-o"), out])
+            .args(more)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        command
+    }
+
+    fn start(&self, out: &Path, more: &[&str]) -> Child {
+        self.command(out, more).spawn().unwrap()
+    }
+
+    fn render(&self, out: &Path, more: &[&str]) -> Output {
+        self.command(out, more).output().unwrap()
+    }
+
+    /// The frames of a run that nothing happens to.
+    fn undisturbed(&self, more: &[&str]) -> Vec<(PathBuf, Vec<u8>)> {
+        let out = self.folder.path().join("undisturbed");
+        assert_eq!(self.render(&out, more).status.code(), Some(0));
+        frames(&out)
+    }
+
+    fn out(&self) -> PathBuf {
+        self.folder.path().join("out")
+    }
+}
+
+/// Lines that `verify` says of frames that are neither proven nor missing.
+fn faults(out: &Path) -> Vec<String> {
+    let output = flythrough(&["verify", "--quiet", out.to_str().unwrap()]);
+    let said = String::from_utf8(output.stdout).unwrap();
+    let lines = said.lines().filter(|line| !line.ends_with(": missing"));
+    lines.map(str::to_owned).collect()
+}
+
+/// The files of a folder that are not finished.
+fn parts(out: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(out).unwrap().map(|e| e.unwrap().path());
+    entries
+        .filter(|file| file.extension().is_some_and(|e| e == "part"))
+        .collect()
+}
+
+/// Waits for a file of a process at work.
+fn until_there(child: &mut Child, file: &Path) {
+    while !file.is_file() {
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "it ended without {}",
+            file.display()
+        );
+        sleep(Duration::from_millis(1));
+    }
+}
+
+fn signal(child: &Child, signal: Signal) {
+    kill_process(Pid::from_child(child), signal).unwrap();
+}
+
+/// Numbers that look like chance, the same in every run.
+struct Chance(u64);
+
+impl Chance {
+    fn below(&mut self, end: u64) -> u64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
+        (self.0 >> 33) % end
+    }
+}
+
+#[test]
+fn killed_at_any_moment_200_times() {
+    let batch = Batch::new(400);
+    let more = [
+        "--size",
+        "80x60",
+        "--mode",
+        "supersampling",
+        "--threads",
+        "1",
+    ];
+    let whole = batch.undisturbed(&more);
+    let out = batch.out();
+    // As long as it takes to start, and a few frames more.
+    let start = Instant::now();
+    batch.render(
+        &batch.folder.path().join("one"),
+        &[&more[..], &["--frames", "0"]].concat(),
+    );
+    let longest = start.elapsed().as_millis() as u64 + 80;
+    let mut chance = Chance(1);
+    let (mut rendered, mut halves) = (0, 0);
+    for _ in 0..200 {
+        let before = fs::read_dir(&out).map_or(0, |_| frames(&out).len());
+        let mut child = batch.start(&out, &more);
+        sleep(Duration::from_millis(chance.below(longest)));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        if !out.join("sequence.ron").is_file() {
+            continue;
+        }
+        assert_eq!(faults(&out), [""; 0]);
+        let there = frames(&out);
+        rendered += there.len() - before;
+        halves += usize::from(!parts(&out).is_empty());
+        if there.len() > 350 {
+            for (name, _) in there.iter().filter(|_| chance.below(2) == 0) {
+                fs::remove_file(out.join(name)).unwrap();
+            }
+        }
+    }
+    assert!(
+        rendered > 200 && halves > 50,
+        "{rendered} frames, {halves} left in the middle of one"
+    );
+    let output = batch.render(&out, &more);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(frames(&out) == whole);
+    assert_eq!(parts(&out), [""; 0].map(PathBuf::from));
+    let verified = flythrough(&["verify", out.to_str().unwrap()]);
+    assert_eq!(verified.status.code(), Some(0));
+}
+
+#[test]
+fn asked_to_end_it_gives_up_the_frames_in_flight_and_no_others() {
+    let batch = Batch::new(40);
+    let more = ["--size", "160x120", "--samples", "64"];
+    let whole = batch.undisturbed(&more);
+    for asked in [Signal::TERM, Signal::INT] {
+        let out = batch.folder.path().join(format!("{asked:?}"));
+        let mut child = batch.start(&out, &more);
+        until_there(&mut child, &out.join("frame_00001.png"));
+        signal(&child, asked);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), INTERRUPTED, "{}", stderr(&output));
+        let said = String::from_utf8(output.stdout).unwrap();
+        assert!(said.contains("interrupted"), "{said}");
+        assert_eq!(faults(&out), [""; 0]);
+        assert_eq!(parts(&out), [""; 0].map(PathBuf::from));
+        let there = frames(&out);
+        assert!(there.len() < 40);
+        let manifest = fs::read_to_string(out.join("manifest.ron")).unwrap();
+        assert_eq!(manifest.matches("Frame(").count(), there.len());
+        assert_eq!(batch.render(&out, &more).status.code(), Some(0));
+        assert!(frames(&out) == whole);
+    }
+}
+
+/// While the light of the path is worked out there is nothing to finish.
+#[test]
+fn asked_to_end_before_the_first_frame() {
+    let batch = Batch::new(40);
+    let more = [
+        "--size",
+        "1280x960",
+        "--mode",
+        "montecarlo",
+        "--target-error",
+        "0.000001",
+    ];
+    let mut child = batch.start(&batch.out(), &more);
+    until_there(&mut child, &batch.out().join("sequence.ron"));
+    sleep(Duration::from_millis(20));
+    signal(&child, Signal::TERM);
+    assert_eq!(child.wait_with_output().unwrap().status.code(), INTERRUPTED);
+    assert!(frames(&batch.out()).is_empty());
+}
+
+#[test]
+fn several_processes_share_the_frames_of_one_folder() {
+    let batch = Batch::new(150);
+    let more = ["--size", "80x60", "--samples", "16", "--threads", "1"];
+    let whole = batch.undisturbed(&more);
+    for processes in [2, 4] {
+        let out = batch.folder.path().join(processes.to_string());
+        let children: Vec<Child> = (0..processes).map(|_| batch.start(&out, &more)).collect();
+        let mut rendered = 0;
+        for child in children {
+            let output = child.wait_with_output().unwrap();
+            assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+            let said = String::from_utf8(output.stdout).unwrap();
+            let count: u32 = said.split(' ').next().unwrap().parse().unwrap();
+            rendered += count;
+        }
+        assert!(frames(&out) == whole);
+        // The last two of each are not waited for: any other may render them once more.
+        let most = 150 + 2 * processes * processes;
+        assert!((150..most).contains(&rendered), "{rendered}");
+        let manifest = fs::read_to_string(out.join("manifest.ron")).unwrap();
+        assert_eq!(manifest.matches("Frame(").count(), 150);
+        assert_eq!(parts(&out), [""; 0].map(PathBuf::from));
+    }
+}
+
+/// Everything is rendered twice, by two who know nothing of each other's frames.
+#[test]
+fn two_that_force_their_way_write_the_same_frames() {
+    let batch = Batch::new(60);
+    let more = ["--size", "80x60", "--threads", "1"];
+    let whole = batch.undisturbed(&more);
+    let force = [&more[..], &["--force"]].concat();
+    let children = [(); 2].map(|()| batch.start(&batch.out(), &force));
+    for child in children {
+        assert_eq!(child.wait_with_output().unwrap().status.code(), Some(0));
+    }
+    assert!(frames(&batch.out()) == whole);
+}
+
+/// Two sequences in one folder cannot both be there in the end; whoever comes too late says so.
+#[test]
+fn another_sequence_in_the_same_folder_is_noticed() {
+    let batch = Batch::new(200);
+    let more = ["--size", "80x60", "--samples", "16", "--threads", "1"];
+    let mut first = batch.start(&batch.out(), &more);
+    until_there(&mut first, &batch.out().join("frame_00003.png"));
+    let other = [&more[..], &["--seed", "5"]].concat();
+    let second = batch.start(&batch.out(), &other);
+    let outputs = [first, second].map(|child| child.wait_with_output().unwrap());
+    assert_eq!(outputs[0].status.code(), Some(3));
+    let said = stderr(&outputs[0]);
+    assert!(
+        said.contains("frame 199 failed") && said.contains("use two folders"),
+        "{said}"
+    );
+    assert_eq!(outputs[1].status.code(), Some(0));
+    assert_eq!(batch.render(&batch.out(), &other).status.code(), Some(0));
+    let verified = flythrough(&["verify", batch.out().to_str().unwrap()]);
+    assert_eq!(verified.status.code(), Some(0));
+}
+
+#[test]
+fn a_folder_that_vanishes_stays_away_and_the_frames_are_named() {
+    let batch = Batch::new(400);
+    let more = ["--size", "160x120", "--samples", "16"];
+    let mut child = batch.start(&batch.out(), &more);
+    until_there(&mut child, &batch.out().join("frame_00002.png"));
+    let gone = batch.folder.path().join("gone");
+    fs::rename(batch.out(), &gone).unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(3));
+    let said = stderr(&output);
+    assert!(
+        said.contains("frame 399 failed") && said.contains("frame_00399.png: cannot be written"),
+        "{said}"
+    );
+    assert!(!said.contains("use two folders"), "{said}");
+    assert!(!batch.out().exists());
+    assert_eq!(faults(&gone), [""; 0]);
+    assert!(frames(&gone).len() >= 2);
+}
+
+/// A file system in memory, of `kilobytes`, while it lives. None where the system forbids it: the test is left
+/// out loudly, and fails where all tests have to run.
+struct Disk {
+    folder: tempfile::TempDir,
+}
+
+impl Disk {
+    fn new(kilobytes: u32) -> Option<Disk> {
+        let disk = Disk {
+            folder: tempfile::tempdir().unwrap(),
+        };
+        let size = format!("size={kilobytes}k");
+        if disk.mount(&["-t", "tmpfs", "-o", &size, "flythrough"]) {
+            return Some(disk);
+        }
+        assert!(
+            std::env::var_os("CI").is_none(),
+            "CI has to be able to mount a tmpfs"
+        );
+        // Past what test runners swallow.
+        let _ = writeln!(
+            std::io::stderr(),
+            "NOT TESTED: this system does not let the test mount a tmpfs; run it as root"
+        );
+        None
+    }
+
+    fn mount(&self, options: &[&str]) -> bool {
+        let mut mount = Command::new("mount");
+        mount.args(options).arg(self.folder.path());
+        mount.status().is_ok_and(|status| status.success())
+    }
+
+    fn out(&self) -> PathBuf {
+        self.folder.path().join("out")
+    }
+}
+
+impl Drop for Disk {
+    fn drop(&mut self) {
+        let _ = Command::new("umount")
+            .arg("-l")
+            .arg(self.folder.path())
+            .status();
+    }
+}
+
+#[test]
+fn a_full_disk_keeps_what_it_has_and_takes_the_rest_when_there_is_room() {
+    let batch = Batch::new(30);
+    let more = ["--size", "160x120"];
+    let whole = batch.undisturbed(&more);
+    let Some(disk) = Disk::new(400) else { return };
+    let output = batch.render(&disk.out(), &more);
+    let said = stderr(&output);
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(
+        said.contains("frame 29 failed") && said.contains("No space left on device"),
+        "{said}"
+    );
+    let there = frames(&disk.out()).len();
+    assert!((3..30).contains(&there), "{there}");
+    assert_eq!(faults(&disk.out()), [""; 0]);
+    assert_eq!(parts(&disk.out()), [""; 0].map(PathBuf::from));
+    assert!(disk.mount(&["-o", "remount,size=20m"]));
+    assert_eq!(batch.render(&disk.out(), &more).status.code(), Some(0));
+    assert!(frames(&disk.out()) == whole);
+}
+
+#[test]
+fn a_disk_that_is_full_in_the_middle_of_a_file_leaves_none_of_it() {
+    let Some(disk) = Disk::new(64) else { return };
+    let file = disk.folder.path().join("a");
+    flythrough::storage::write_atomic(&file, &[1; 20_000]).unwrap();
+    let error = flythrough::storage::write_atomic(&file, &[2; 100_000]).unwrap_err();
+    assert_eq!(error.kind(), std::io::ErrorKind::StorageFull);
+    assert_eq!(fs::read(&file).unwrap(), [1; 20_000]);
+    assert_eq!(fs::read_dir(disk.folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_refused_unless_nothing_is_to_be_written() {
+    let batch = Batch::new(4);
+    let more = ["--size", "16x12"];
+    let Some(disk) = Disk::new(1000) else { return };
+    assert_eq!(batch.render(&disk.out(), &more).status.code(), Some(0));
+    assert!(disk.mount(&["-o", "remount,ro"]));
+    let output = batch.render(&disk.out(), &more);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    for more in [&["--size", "17x12"][..], &["--size", "16x12", "--force"]] {
+        let output = batch.render(&disk.out(), more);
+        assert_eq!(output.status.code(), Some(2), "{more:?}");
+        assert!(
+            stderr(&output).contains("Read-only file system"),
+            "{}",
+            stderr(&output)
+        );
+    }
+    assert_eq!(faults(&disk.out()), [""; 0]);
+}
+
+/// Memory and open files while a process renders 10,000 frames: what it has of both after a fifth of them is
+/// all that it takes for the rest.
+#[test]
+fn ten_thousand_frames_take_no_more_memory_than_two_thousand() {
+    let batch = Batch::new(10_000);
+    let mut child = batch.start(&batch.out(), &["--size", "8x6", "--threads", "2"]);
+    let status = |child: &Child| -> Option<(u64, u64)> {
+        let process = PathBuf::from(format!("/proc/{}", child.id()));
+        let files = fs::read_dir(process.join("fd")).ok()?.count() as u64;
+        let status = fs::read_to_string(process.join("status")).ok()?;
+        let line = status.lines().find(|line| line.starts_with("VmRSS"))?;
+        let kilobytes = line.split_whitespace().nth(1)?.parse().ok()?;
+        Some((kilobytes, files))
+    };
+    // The largest of either in each fifth of the sequence.
+    let mut fifths: BTreeMap<usize, (u64, u64)> = BTreeMap::new();
+    let is_there = |frame: usize| batch.out().join(format!("frame_{frame:05}.png")).is_file();
+    let mut fifth = 0;
+    while child.try_wait().unwrap().is_none() {
+        while fifth < 4 && is_there(2000 * (fifth + 1)) {
+            fifth += 1;
+        }
+        if let Some((kilobytes, files)) = status(&child) {
+            let most = fifths.entry(fifth).or_default();
+            *most = (most.0.max(kilobytes), most.1.max(files));
+        }
+        sleep(Duration::from_millis(2));
+    }
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(frames(&batch.out()).len(), 10_000);
+    let most = |fifth: usize| fifths.get(&fifth).copied().unwrap_or_default();
+    let (first, last) = (most(0), most(3));
+    assert!(0 < first.0 && last.0 <= first.0 + 2000, "{fifths:?}");
+    assert!(last.1 < 40, "{fifths:?}");
+}

@@ -1,0 +1,232 @@
+//! What frames say of their own errors, and what they do about them.
+
+use crate::support::statistics::*;
+use crate::support::*;
+use flythrough::camera::Camera;
+use flythrough::film::Film;
+use flythrough::render::{PixelSampling, RenderSettings, RenderedFrame};
+use flythrough::scene::Scene;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::sync::LazyLock;
+
+const SIZE: [u32; 2] = [80, 60];
+
+/// A Cornell box with a mirror, spots and two shadows.
+static ROOM: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
+    let camera = shipped_path("test3.ron").camera(20);
+    (shipped_scene("test3.ron"), camera)
+});
+
+fn frame(settings: &RenderSettings, seed: u32) -> RenderedFrame {
+    let settings = RenderSettings {
+        seed,
+        ..settings.clone()
+    };
+    renderer(&ROOM.0, &settings).render_frame(&ROOM.1, 0)
+}
+
+/// The mean of (x - r)^2 / (m^2 + (white / 10)^2), where m is the mean of the pixels around.
+fn relative_square_error(picture: &Film, reference: &Film, white: f64) -> f64 {
+    let (width, height) = (SIZE[0] as i32, SIZE[1] as i32);
+    let at = |film: &Film, x: i32, y: i32| film.pixels()[(y * width + x) as usize].as_dvec3();
+    let inside = |x: i32, y: i32| (0..width).contains(&x) && (0..height).contains(&y);
+    let mut sum = 0.0;
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+        let around = around.filter(|(dx, dy)| (*dx, *dy) != (0, 0) && inside(x + dx, y + dy));
+        let around: Vec<DVec3> = around
+            .map(|(dx, dy)| at(reference, x + dx, y + dy))
+            .collect();
+        let mean = around.iter().sum::<DVec3>() / around.len() as f64;
+        let error = at(picture, x, y) - at(reference, x, y);
+        sum += (error * error / (mean * mean + (0.1 * white).powi(2))).element_sum();
+    }
+    sum / f64::from(3 * width * height)
+}
+
+/// Of 200 frames, 95 in 100 should be as far from the reference as they say; the numbers of frames that
+/// may lie between 90 and 99 in 100 do so by chance in less than one of 500 cases.
+#[test]
+fn intervals_hold_the_true_error() {
+    let exposed = RenderSettings {
+        display_white: 0.35,
+        ..settings(monte_carlo(4, &[16]), SIZE[0], SIZE[1])
+    };
+    for (sampling, reference_splits) in [
+        (PixelSampling::Center, 2048),
+        (PixelSampling::Corners, 2048),
+        (PixelSampling::Spread(4), 32),
+    ] {
+        let settings = RenderSettings {
+            sampling,
+            ..exposed.clone()
+        };
+        let reference = frame(
+            &RenderSettings {
+                integrator: monte_carlo(4, &[reference_splits]),
+                // Many more camera rays, too, where they are left to chance.
+                sampling: match sampling {
+                    PixelSampling::Spread(_) => PixelSampling::Spread(256),
+                    fixed => fixed,
+                },
+                ..settings.clone()
+            },
+            1_000_000,
+        );
+        let runs = (0..200).into_par_iter().map(|seed| {
+            let rendered = frame(&settings, seed);
+            let true_error = relative_square_error(&rendered.film, &reference.film, 0.35);
+            let error = rendered.error.unwrap();
+            let [low, high] = error.interval();
+            let is_held = (low..=high).contains(&true_error);
+            (is_held, error.relative_square_error, true_error)
+        });
+        let runs: Vec<(bool, f64, f64)> = runs.collect();
+        let held = runs.iter().filter(|(is_held, ..)| *is_held).count();
+        assert!((180..=198).contains(&held), "{sampling:?}: {held} of 200");
+        let mean = |of: fn(&(bool, f64, f64)) -> f64| runs.iter().map(of).sum::<f64>() / 200.0;
+        let (estimated, measured) = (mean(|run| run.1), mean(|run| run.2));
+        assert!(
+            (estimated / measured - 1.0).abs() < 0.02,
+            "{sampling:?}: {estimated} {measured}"
+        );
+        let own = reference.error.unwrap().relative_square_error;
+        assert!(own < 0.01 * measured, "{sampling:?}: {own}");
+    }
+}
+
+/// Samples that are added where neighbours need them leave every pixel unbiased.
+#[test]
+fn frames_of_a_target_error_reach_it_without_bias() {
+    let size = [16, 12];
+    for sampling in [PixelSampling::Spread(4), PixelSampling::Corners] {
+        let plain = RenderSettings {
+            sampling,
+            ..settings(monte_carlo(4, &[2]), size[0], size[1])
+        };
+        let aimed = RenderSettings {
+            target_error: Some(0.01),
+            ..plain.clone()
+        };
+        let rendered: Vec<RenderedFrame> = (0..32).map(|seed| frame(&aimed, seed)).collect();
+        let rays = |frame: &RenderedFrame| frame.rays;
+        for rendered in &rendered {
+            let error = rendered.error.unwrap();
+            assert!(error.interval()[1] <= 0.01, "{error:?}");
+            // Not far more than is needed.
+            assert!(error.relative_square_error > 0.001, "{error:?}");
+        }
+        let few = frame(&plain, 0);
+        assert!(few.error.unwrap().relative_square_error > 0.02);
+        assert!(rendered.iter().map(rays).min().unwrap() > 2 * few.rays);
+        let aimed: Vec<Vec<f64>> = rendered.iter().map(|r| channels(r.film.pixels())).collect();
+        let reference = RenderSettings {
+            integrator: monte_carlo(4, &[64]),
+            sampling: match sampling {
+                PixelSampling::Spread(_) => PixelSampling::Spread(32),
+                fixed => fixed,
+            },
+            ..plain
+        };
+        let reference = runs(&ROOM.0, &ROOM.1, &reference, 1_000_000..1_000_032);
+        let agreement = Agreement::of(&estimates(&aimed), &estimates(&reference), 31, 0.0);
+        assert!(agreement.holds(), "{sampling:?}: {agreement:?}");
+        // 1.07 for 31 degrees of freedom; of 192 pixels that share corners, 0.15 is a standard deviation.
+        assert!((0.7..1.5).contains(&agreement.mean_square), "{agreement:?}");
+    }
+}
+
+/// Few samples, of great noise, of which a brighter one must not keep others from being taken: the mean light of
+/// whole frames.
+#[test]
+fn added_samples_do_not_make_frames_brighter() {
+    // Made before threads that its own making needs could wait for it.
+    LazyLock::force(&ROOM);
+    let few = spread(monte_carlo(4, &[1]), [32, 24], 1);
+    let aimed = RenderSettings {
+        target_error: Some(0.05),
+        ..few.clone()
+    };
+    let many = RenderSettings {
+        sampling: PixelSampling::Spread(64),
+        ..few
+    };
+    let mean = |settings: &RenderSettings, seeds: std::ops::Range<u32>| {
+        let lights = seeds.into_par_iter().map(|seed| {
+            let film = frame(settings, seed).film;
+            let sum: f64 = channels(film.pixels()).iter().sum();
+            sum / film.pixels().len() as f64
+        });
+        Estimate::of(&lights.collect::<Vec<f64>>())
+    };
+    let (aimed, even) = (mean(&aimed, 0..400), mean(&many, 1_000_000..1_000_100));
+    let error = aimed.error.hypot(even.error);
+    assert!(error < 6e-4 * even.mean, "{aimed:?} {even:?}");
+    let off = (aimed.mean - even.mean) / error;
+    assert!(off.abs() < 3.3, "{off}: {aimed:?} {even:?}");
+}
+
+/// The halves that a picture is made of are the picture plus and minus its deviation: they do not depend on
+/// each other, so their errors are not correlated.
+#[test]
+fn halves_are_independent() {
+    let settings = settings(monte_carlo(4, &[16]), SIZE[0], SIZE[1]);
+    let reference = frame(
+        &RenderSettings {
+            integrator: monte_carlo(4, &[2048]),
+            ..settings.clone()
+        },
+        1_000_000,
+    );
+    let products = |seed| {
+        let [a, b] = frame(&settings, seed).halves();
+        let [a, b, r] = [&a, &b, &reference.film].map(|film| channels(film.pixels()));
+        let of = |i: usize| {
+            let (a, b) = (a[i] - r[i], b[i] - r[i]);
+            (a * b, 0.5 * (a * a + b * b))
+        };
+        let all = (0..r.len()).map(of);
+        all.fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
+    };
+    let all: Vec<(f64, f64)> = (0..32).map(products).collect();
+    let correlation = all.iter().map(|p| p.0).sum::<f64>() / all.iter().map(|p| p.1).sum::<f64>();
+    // 32 frames of 1,728 pixels; channels of a pixel vary together.
+    assert!(
+        correlation.abs() < 4.0 / (32.0 * 1728.0_f64).sqrt(),
+        "{correlation}"
+    );
+}
+
+#[test]
+fn what_is_not_left_to_chance_has_no_error() {
+    for settings in [
+        settings(ray_tracing(), 8, 6),
+        spread(ray_tracing(), [8, 6], 4),
+        settings(monte_carlo(0, &[]), 8, 6),
+    ] {
+        assert!(frame(&settings, 0).error.is_none());
+    }
+    assert!(
+        frame(&spread(monte_carlo(0, &[]), [8, 6], 4), 0)
+            .error
+            .is_some()
+    );
+}
+
+/// Pictures of one pixel and of one row have fewer neighbours, or none.
+#[test]
+fn small_frames_say_what_they_can() {
+    for (width, height) in [(1, 1), (9, 1), (1, 9), (2, 2)] {
+        for sampling in [PixelSampling::Spread(2), PixelSampling::Corners] {
+            let settings = RenderSettings {
+                sampling,
+                target_error: Some(0.05),
+                ..settings(monte_carlo(2, &[4]), width, height)
+            };
+            let error = frame(&settings, 0).error.unwrap();
+            assert!(error.relative_square_error > 0.0, "{error:?}");
+            assert!(error.standard_error.is_finite() && error.interval()[1] <= 0.05);
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Files of light that runs of the program share.
+
+use crate::support::*;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Runs a command on the room of `scenes/test3.ron` and a path; its exit status and all that it said.
+fn run(command: &str, path: &Path, more: &[&str]) -> (Option<i32>, String) {
+    let mut arguments = vec![command, "scenes/test3.ron", path.to_str().unwrap()];
+    arguments.extend(more);
+    let output = flythrough(&arguments);
+    let said = String::from_utf8(output.stdout.clone()).unwrap() + &stderr(&output);
+    (output.status.code(), said)
+}
+
+/// A folder with two paths of four frames each.
+struct Folder {
+    folder: tempfile::TempDir,
+}
+
+impl Folder {
+    fn new() -> Folder {
+        let folder = tempfile::tempdir().unwrap();
+        for (name, x) in [("left", -0.6), ("right", 0.6)] {
+            let text = format!(
+                "CameraPath(fps: 4, settings: (mode: \"montecarlo\", size: (48, 27)), keyframes: [
+                    (time: 0.0, position: ({x}, 0.1, 2.9), look_at: ({x}, -0.3, 0), fov: 40),
+                    (time: 0.75, position: ({x}, 0.0, 2.5), look_at: ({x}, -0.2, 0), fov: 40)])"
+            );
+            fs::write(folder.path().join(name).with_extension("ron"), text).unwrap();
+        }
+        Folder { folder }
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn text(&self, name: &str) -> String {
+        self.file(name).to_str().unwrap().to_owned()
+    }
+
+    fn bake(&self, path: &str, more: &[&str]) -> (Option<i32>, String) {
+        let out = self.text("gi.cache");
+        run("bake", &self.file(path), &[&["--out", &out], more].concat())
+    }
+
+    fn render(&self, path: &str, out: &str, more: &[&str]) -> (Option<i32>, String) {
+        let out = self.text(out);
+        let always = ["--gi", "cached", "--samples", "4", "--out", &out];
+        run("render", &self.file(path), &[&always, more].concat())
+    }
+
+    fn frame(&self, out: &str, number: u32) -> Vec<u8> {
+        fs::read(self.file(out).join(format!("frame_{number:05}.png"))).unwrap()
+    }
+}
+
+fn assert_done((status, said): (Option<i32>, String)) -> String {
+    assert_eq!(status, Some(0), "{said}");
+    said
+}
+
+fn assert_refused((status, said): (Option<i32>, String), why: &str) {
+    assert_eq!(status, Some(2), "{said}");
+    assert!(said.contains(why), "{said}");
+}
+
+#[test]
+fn parts_of_a_sequence_that_share_a_file_are_those_of_one_run() {
+    let folder = Folder::new();
+    let cache = folder.text("gi.cache");
+    let cache = ["--gi-cache", &cache];
+    assert_done(folder.bake("left.ron", &["--threads", "2"]));
+    let kept = fs::read(cache[1]).unwrap();
+    for (frames, threads) in [("0-1", "1"), ("2-3", "4")] {
+        let part = ["--frames", frames, "--threads", threads];
+        let said = assert_done(folder.render("left.ron", "parts", &[&cache[..], &part].concat()));
+        assert!(said.contains("light of the path read"), "{said}");
+    }
+    assert_done(folder.render("left.ron", "whole", &[]));
+    for number in 0..4 {
+        assert!(folder.frame("parts", number) == folder.frame("whole", number));
+    }
+    assert!(kept == fs::read(cache[1]).unwrap());
+    // Made by a run that finds none, it is the same.
+    fs::remove_file(cache[1]).unwrap();
+    assert_done(folder.render(
+        "left.ron",
+        "new",
+        &[&cache[..], &["--frames", "3"]].concat(),
+    ));
+    assert!(kept == fs::read(cache[1]).unwrap());
+    assert!(folder.frame("new", 3) == folder.frame("whole", 3));
+}
+
+#[test]
+fn another_path_adds_what_it_needs() {
+    let folder = Folder::new();
+    let cache = folder.text("gi.cache");
+    let cached = ["--gi-cache", &cache, "--frames", "0"];
+    assert_done(folder.render("left.ron", "left", &cached));
+    let first = fs::read(&cache).unwrap();
+    let said = assert_done(folder.render("right.ron", "right", &cached));
+    assert!(said.contains("worked out"), "{said}");
+    let both = fs::read(&cache).unwrap();
+    assert!(both.len() > first.len() && both.len() < 2 * first.len());
+    // The light of both is there now, and is not touched again.
+    let said = assert_done(folder.bake("right.ron", &[]));
+    assert!(said.contains("read"), "{said}");
+    assert!(both == fs::read(&cache).unwrap());
+    // Frames by the light of the one path alone are not mixed with those by that of both.
+    let more = ["--gi-cache", &cache, "--frames", "1"];
+    for (path, missing) in [("left", "0\n2\n3\n"), ("right", "2\n3\n")] {
+        assert_done(folder.render(&format!("{path}.ron"), path, &more));
+        let listed = flythrough(&["missing", &folder.text(path)]);
+        assert_eq!(String::from_utf8(listed.stdout).unwrap(), missing);
+    }
+}
+
+#[test]
+fn light_of_something_else_is_refused() {
+    let folder = Folder::new();
+    let cache = folder.text("gi.cache");
+    assert_done(folder.bake("left.ron", &[]));
+    let kept = fs::read(&cache).unwrap();
+    for other in [
+        &["--bounces", "3"][..],
+        &["--seed", "7"],
+        &["--size", "64x36"],
+        &["--target-error", "0.01"],
+    ] {
+        assert_refused(folder.bake("left.ron", other), "of another scene, other");
+    }
+    let scene = fs::read_to_string(root().join("scenes/test3.ron")).unwrap();
+    fs::write(folder.file("scene.ron"), scene + "// Changed.\n").unwrap();
+    let (scene, path) = (folder.text("scene.ron"), folder.text("left.ron"));
+    let arguments = ["bake", &scene, &path, "--out", &cache];
+    let output = flythrough(&arguments);
+    assert_refused((output.status.code(), stderr(&output)), "of another scene");
+    assert!(kept == fs::read(&cache).unwrap());
+    assert_done(folder.bake("left.ron", &["--seed", "7", "--force"]));
+    assert!(kept != fs::read(&cache).unwrap());
+}
+
+#[test]
+fn damage_is_found() {
+    let folder = Folder::new();
+    let cache = folder.file("gi.cache");
+    assert_done(folder.bake("left.ron", &[]));
+    let kept = fs::read(&cache).unwrap();
+    for place in [20, 60, 100, kept.len() / 2, kept.len() - 1] {
+        let mut flipped = kept.clone();
+        flipped[place] ^= 0x10;
+        fs::write(&cache, flipped).unwrap();
+        assert_refused(folder.bake("left.ron", &[]), "is damaged");
+        fs::write(&cache, &kept[..place]).unwrap();
+        assert_refused(folder.bake("left.ron", &[]), "is damaged");
+    }
+    assert_done(folder.bake("left.ron", &["--force"]));
+    assert!(kept == fs::read(&cache).unwrap());
+    // What is no file of light is never written over.
+    for text in ["", "Dear diary"] {
+        fs::write(&cache, text).unwrap();
+        for more in [&[][..], &["--force"]] {
+            assert_refused(folder.bake("left.ron", more), "is no file of light");
+        }
+        assert_eq!(fs::read_to_string(&cache).unwrap(), text);
+    }
+}
+
+#[test]
+fn a_file_that_cannot_be_written_is_known_before_the_work() {
+    let folder = Folder::new();
+    let nowhere = folder.text("nowhere/gi.cache");
+    let said = run("bake", &folder.file("left.ron"), &["--out", &nowhere]);
+    assert_refused(said, "cannot be written");
+    let more = ["--gi", "path-traced", "--gi-cache", &nowhere];
+    let out = folder.text("frames");
+    let render = [&["--out", &out][..], &more].concat();
+    assert_refused(
+        run("render", &folder.file("left.ron"), &render),
+        "--gi cached",
+    );
+}

@@ -1,0 +1,12 @@
+//! What is read: scenes, camera paths, models and pictures, good, wrong and of extreme numbers.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod bad_input;
+mod bad_models;
+mod bad_ron;
+mod camera_files;
+mod documented_examples;
+mod extremes;

@@ -1,0 +1,157 @@
+//! Random estimates: their means are right, and they converge as fast as theory says.
+
+use crate::support::statistics::*;
+use crate::support::*;
+use flythrough::camera::Camera;
+use flythrough::integrator::LightSampler;
+use flythrough::metrics::mean;
+use flythrough::render::RenderSettings;
+use flythrough::scene::Scene;
+use glam::DVec3;
+use std::f64::consts::PI;
+use std::ops::Range;
+use std::sync::LazyLock;
+
+const SIZE: [u32; 2] = [16, 12];
+
+/// Of the runs whose errors are measured.
+const SEEDS: Range<u32> = 0..16;
+
+/// A Cornell box with a mirror, and with spots that a quarter of the rays are aimed at.
+struct Room {
+    scene: Scene,
+    camera: Camera,
+    /// Estimates of 4 bounces that share no seeds with those they are compared with.
+    reference: Vec<Estimate>,
+}
+
+static ROOM: LazyLock<Room> = LazyLock::new(|| {
+    let scene = shipped_scene("test3.ron");
+    assert!(!LightSampler::new(&scene).is_empty());
+    let camera = shipped_path("test3.ron").camera(0);
+    let reference = runs(&scene, &camera, &centers(4, &[2048]), 1_000_000..1_000_032);
+    Room {
+        scene,
+        camera,
+        reference: estimates(&reference),
+    }
+});
+
+/// Without chance in where camera rays go.
+fn centers(bounces: u32, splits: &[u32]) -> RenderSettings {
+    settings(monte_carlo(bounces, splits), SIZE[0], SIZE[1])
+}
+
+/// The mean of (x - r)^2 / (r^2 + 0.01).
+fn relative_square_error(picture: &[f64], reference: &[f64]) -> f64 {
+    let errors = picture.iter().zip(reference);
+    let sum: f64 = errors.map(|(x, r)| (x - r).powi(2) / (r * r + 0.01)).sum();
+    sum / picture.len() as f64
+}
+
+fn errors(runs: &[Vec<f64>], reference: &[f64]) -> Vec<f64> {
+    let error = |run: &Vec<f64>| relative_square_error(run, reference);
+    runs.iter().map(error).collect()
+}
+
+fn means(estimates: &[Estimate]) -> Vec<f64> {
+    estimates.iter().map(|estimate| estimate.mean).collect()
+}
+
+/// 32 seeds rather than 8: before chance could be ruled out in 576 comparisons, an estimate with 7 degrees
+/// of freedom would have to be off by 10 standard errors, with 31 by 5.
+#[test]
+fn estimates_are_unbiased() {
+    let Room {
+        scene,
+        camera,
+        reference,
+    } = &*ROOM;
+    for splits in [&[16][..], &[16, 2]] {
+        let agreement = |bounces| {
+            let estimates = estimates(&runs(scene, camera, &centers(bounces, splits), 0..32));
+            // The reference adds next to nothing to the errors.
+            let variance = |of: &[Estimate]| of.iter().map(|e| e.error.powi(2)).sum::<f64>();
+            assert!(variance(reference) < 0.01 * variance(&estimates));
+            Agreement::of(&estimates, reference, 31, 0.0)
+        };
+        let four = agreement(4);
+        assert!(four.holds(), "{splits:?}: {four:?}");
+        // What misses the light of the fourth bounce is found out.
+        let three = agreement(3);
+        assert!(!three.holds(), "{splits:?}: {three:?}");
+    }
+}
+
+/// Samples whose numbers are independent, since each has a seed of its own, converge as 1/n. Sobol points
+/// do so, too, in what depends on several bounces at once, but faster in the rest.
+#[test]
+fn many_bounces() {
+    let Room {
+        scene,
+        camera,
+        reference,
+    } = &*ROOM;
+    let reference = means(reference);
+    let samples = runs(scene, camera, &centers(4, &[1]), 0..16 * 256);
+    let plain = |log: u32| {
+        let runs = samples.chunks_exact(256).map(|run| &run[..1 << log]);
+        let errors = runs.map(|run| relative_square_error(&means(&estimates(run)), &reference));
+        errors.collect()
+    };
+    let sobol = |log: u32| {
+        let runs = runs(scene, camera, &centers(4, &[1 << log]), SEEDS);
+        errors(&runs, &reference)
+    };
+    let plain: Vec<Vec<f64>> = (0..=8).map(plain).collect();
+    let sobol: Vec<Vec<f64>> = (0..=8).map(sobol).collect();
+    let (of_plain, of_sobol) = (slope(&plain), slope(&sobol));
+    assert!(of_plain.error < 0.03);
+    assert!(
+        (of_plain.mean + 1.0).abs() < 4.0 * of_plain.error,
+        "{of_plain:?}"
+    );
+    assert!(of_sobol.mean + 4.0 * of_sobol.error < -1.0, "{of_sobol:?}");
+    assert!(mean(&sobol[8]) < mean(&plain[8]));
+}
+
+/// Where an edge crosses a pixel, only the strata that it crosses are uncertain: of n some n^(1/2), each
+/// with a variance of n^-2, which makes n^(-3/2).
+#[test]
+fn edges() {
+    let Room { scene, camera, .. } = &*ROOM;
+    let of_samples = |samples, seeds| {
+        let settings = spread(monte_carlo(0, &[]), SIZE, samples);
+        runs(scene, camera, &settings, seeds)
+    };
+    let reference = means(&estimates(&of_samples(4096, 1000..1032)));
+    let error = |log: u32| errors(&of_samples(1 << log, SEEDS), &reference);
+    let slope = slope(&(6..=11).map(error).collect::<Vec<_>>());
+    assert!((-1.6..-1.4).contains(&slope.mean), "{slope:?}");
+}
+
+/// What is smooth in two dimensions converges as n^-3 log n (Owen 1997, "Scrambled Net Variance for
+/// Integrals of Smooth Functions"). Along a kink, and the map of the square to the hemisphere has them along
+/// its diagonals, n^(1/2) strata are each off by their width, n^(-1/2), over n, which makes n^(-5/2).
+/// Here one bounce inside a sphere, where it is known what arrives: I rho / R^2.
+#[test]
+fn smooth_light() {
+    let scene = scene(
+        "Scene(
+            materials: {\"grey\": (diffuse: (0.5, 0.5, 0.5))},
+            lights: [(position: (5, -1, 7), intensity: (3, 3, 3))],
+            objects: [sphere(center: (5, -2, 7), radius: 2, material: \"grey\")],
+        )",
+    );
+    assert!(LightSampler::new(&scene).is_empty());
+    let camera = camera(DVec3::new(4.5, -2.5, 6.5), DVec3::new(9.0, -2.0, 6.0), 40.0);
+    let direct = channels(&render(&scene, &camera, &centers(0, &[])));
+    let indirect = 0.5 / PI * 0.5 * 3.0 / 4.0;
+    let reference: Vec<f64> = direct.iter().map(|direct| direct + indirect).collect();
+    let error = |log: u32| {
+        let runs = runs(&scene, &camera, &centers(1, &[1 << log]), SEEDS);
+        errors(&runs, &reference)
+    };
+    let slope = slope(&(7..=12).map(error).collect::<Vec<_>>());
+    assert!((-3.1..-2.5).contains(&slope.mean), "{slope:?}");
+}

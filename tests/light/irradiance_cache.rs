@@ -1,0 +1,318 @@
+//! Indirect light worked out once for a whole camera path.
+
+use crate::support::*;
+use flythrough::bake::{Baked, bake, cache_errors};
+use flythrough::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
+use flythrough::integrator::IntegratorSettings;
+use flythrough::metrics::{BiasCheck, HeldOutPixel};
+use flythrough::render::{RenderSettings, Renderer};
+use flythrough::scene::Scene;
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+
+const SIZE: (u32, u32) = (64, 48);
+
+/// A path from one eye to another that looks at a point, of nine frames.
+fn glide(eyes: [DVec3; 2], target: DVec3) -> CameraPath {
+    let key = |(time, position): (f64, DVec3)| Keyframe {
+        time,
+        position,
+        orientation: Orientation::LookAt { target, roll: 0.0 },
+        field_of_view: 60_f64.to_radians(),
+        segment: Segment::of(Shape::Linear),
+    };
+    let keys: Vec<Keyframe> = [0.0, 1.0].into_iter().zip(eyes).map(key).collect();
+    CameraPath::new(8.0, &keys, &Pace::BY_KEYS).unwrap()
+}
+
+/// From the left to the right of `scenes/test3.ron`.
+fn across_the_room() -> CameraPath {
+    glide(
+        [DVec3::new(-0.5, 0.0, 3.0), DVec3::new(0.5, 0.1, 2.6)],
+        DVec3::new(0.0, -0.1, 0.0),
+    )
+}
+
+fn cached_settings(bounces: u32) -> RenderSettings {
+    settings(IntegratorSettings::Cached { bounces }, SIZE.0, SIZE.1)
+}
+
+/// The irradiance cache of a path.
+fn baked(scene: &Scene, path: &CameraPath, bounces: u32) -> Baked {
+    let settings = cached_settings(bounces);
+    bake(scene, path, "path", &settings, None, &|_, _| ())
+}
+
+/// The pixels of a frame by path tracing.
+fn path_traced(scene: &Scene, path: &CameraPath, paths: u32, frame: u32) -> Vec<Vec3> {
+    let settings = settings(monte_carlo(4, &[paths]), SIZE.0, SIZE.1);
+    render(scene, &path.camera(frame), &settings)
+}
+
+/// The pixels of a frame by a cache.
+fn cached(scene: &Scene, path: &CameraPath, baked: &Baked, frame: u32) -> Vec<Vec3> {
+    let settings = cached_settings(baked.cache.bounces());
+    let renderer = Renderer::new(scene, settings, Some(&baked.cache)).unwrap();
+    let rendered = renderer.render_frame(&path.camera(frame), 0);
+    assert_eq!(rendered.non_finite_samples, 0);
+    rendered.film.pixels().to_vec()
+}
+
+fn mean(pixels: &[Vec3]) -> Vec3 {
+    pixels.iter().sum::<Vec3>() / pixels.len() as f32
+}
+
+/// Of pixels against a reference of little noise.
+fn relative_square_error(pixels: &[Vec3], reference: &[Vec3]) -> f32 {
+    let error = |(x, r): (&Vec3, &Vec3)| ((x - r).powf(2.0) / (r * r + 0.01)).element_sum() / 3.0;
+    pixels.iter().zip(reference).map(error).sum::<f32>() / pixels.len() as f32
+}
+
+/// Inside a sphere of radius R a light of intensity I anywhere gives the wall the irradiance
+/// rho^k I / R^2 by bounce k, the same everywhere.
+#[test]
+fn light_inside_a_sphere_for_every_number_of_bounces() {
+    let albedo = Vec3::new(0.9, 0.5, 0.2);
+    let scene = inside_of_a_sphere("(5.9, -1.2, 7.4)");
+    let eyes = [DVec3::new(4.5, -2.5, 6.5), DVec3::new(4.9, -1.5, 7.5)];
+    let path = glide(eyes, DVec3::new(3.0, -3.0, 9.0));
+    let direct = cached(&scene, &path, &baked(&scene, &path, 0), 4);
+    for bounces in 1..=4 {
+        let pixels = cached(&scene, &path, &baked(&scene, &path, bounces), 4);
+        let expected: Vec3 = (1..=bounces as i32)
+            .map(|k| albedo * albedo.powf(k as f32) * 3.0 / (4.0 * PI as f32))
+            .sum();
+        let indirect: Vec<Vec3> = pixels.iter().zip(&direct).map(|(all, d)| all - d).collect();
+        let bias = mean(&indirect) / expected - 1.0;
+        assert!(bias.abs().max_element() < 0.005, "{bounces}: {bias}");
+        let squares = indirect.iter().map(|x| (x / expected - 1.0).powf(2.0));
+        let square = squares.sum::<Vec3>() / indirect.len() as f32;
+        assert!(square.max_element() < 0.03 * 0.03, "{bounces}: {square}");
+    }
+}
+
+/// A box of white walls: corners, edges, and a ball on the floor, and a mirror.
+#[test]
+fn a_room_agrees_with_paths_of_which_nothing_is_looked_up() {
+    let scene = shipped_scene("test3.ron");
+    let path = across_the_room();
+    let baked = baked(&scene, &path, 4);
+    for number in [0, 8] {
+        let pixels = cached(&scene, &path, &baked, number);
+        let reference = path_traced(&scene, &path, 1024, number);
+        let error = relative_square_error(&pixels, &reference);
+        // In units of a display white of 1, where this room is darker than in its own exposure.
+        assert!(error < 0.001, "{number}: {error}");
+        let bias = mean(&pixels) / mean(&reference) - 1.0;
+        assert!(bias.abs().max_element() < 0.01, "{number}: {bias}");
+    }
+}
+
+/// What is said of the error of the light is true of whole frames, and comes down to what is asked for.
+#[test]
+fn the_error_is_known_and_met() {
+    let scene = shipped_scene("test3.ron");
+    let path = across_the_room();
+    let baked = |target_error: Option<f64>| {
+        let settings = RenderSettings {
+            target_error,
+            ..cached_settings(4)
+        };
+        bake(&scene, &path, "path", &settings, None, &|_, _| ())
+    };
+    let references = [1, 4, 7].map(|n| (n, path_traced(&scene, &path, 2048, n)));
+    let (usual, finer) = (baked(None), baked(Some(2e-4)));
+    assert!(usual.reaches_target && finer.reaches_target);
+    assert!(finer.state.fineness() > usual.state.fineness());
+    for (baked, most) in [(&usual, 0.001), (&finer, 2e-4)] {
+        assert_eq!(baked.errors.len(), 9);
+        let errors = references.each_ref().map(|(number, reference)| {
+            let pixels = cached(&scene, &path, baked, *number);
+            f64::from(relative_square_error(&pixels, reference))
+        });
+        // Of 32 paths it is 0.0045.
+        let of_reference = 0.0045 * 32.0 / 2048.0;
+        let error = errors.iter().sum::<f64>() / 3.0 - of_reference;
+        // So few pixels are of one window.
+        let [low, high] = baked.errors[4].interval();
+        assert!(low < error && error < high, "{low} {error} {high}");
+        assert!(high <= most, "{high}");
+    }
+}
+
+/// Light of something else is found to be wrong, by as much as it is.
+#[test]
+fn wrong_light_is_found() {
+    let of_intensity = |intensity: f64| {
+        let light = light("(0, 0, 0)", intensity);
+        scene(&format!(
+            "Scene(materials: {{\"grey\": (diffuse: (0.5, 0.5, 0.5))}}, lights: [{light}],
+             objects: [sphere(center: (0, 0, 0), radius: 1, material: \"grey\")])"
+        ))
+    };
+    let eyes = [DVec3::new(0.3, 0.0, 0.0), DVec3::new(0.2, 0.1, 0.0)];
+    let path = glide(eyes, DVec3::X);
+    let right = of_intensity(1.0);
+    let wrong = baked(&of_intensity(1.2), &path, 1);
+    let direct = 0.5 / PI;
+    let indirect = 0.5 * direct;
+    // The light that it is a share of is half way from the right to the wrong.
+    let expected = (0.2 * indirect).powi(2) / ((direct + 1.1 * indirect).powi(2) + 0.01);
+    for error in cache_errors(&right, &path, &cached_settings(1), &wrong.cache).unwrap() {
+        let off = error.relative_square_error / expected - 1.0;
+        assert!(off.abs() < 0.03, "{off}");
+    }
+}
+
+/// The six sides of a box, two metres high and deep, from z = 0 on.
+fn box_of(material: &str, x0: f64, x1: f64) -> String {
+    let quad = |[a, b, c, d]: [&str; 4]| {
+        format!(
+            "triangle(vertices: [{a}, {b}, {c}], material: \"{material}\"),
+             triangle(vertices: [{a}, {c}, {d}], material: \"{material}\"),"
+        )
+    };
+    let corner = |x: f64, y: i32, z: i32| format!("({x}, {y}, {z})");
+    let [a, b, c, d] = [(0, 0), (2, 0), (2, 2), (0, 2)].map(|(y, z)| corner(x0, y, z));
+    let [e, f, g, h] = [(0, 0), (2, 0), (2, 2), (0, 2)].map(|(y, z)| corner(x1, y, z));
+    [
+        quad([&a, &b, &c, &d]),
+        quad([&e, &f, &g, &h]),
+        quad([&a, &e, &f, &b]),
+        quad([&d, &h, &g, &c]),
+        quad([&a, &e, &h, &d]),
+        quad([&b, &f, &g, &c]),
+    ]
+    .concat()
+}
+
+/// White corners, light a finger's breadth from a corner, textures, highlights, mirrors and several lights.
+#[test]
+fn whatever_is_in_the_scene_the_light_is_right() {
+    let room = |light: String, albedo: f64| {
+        let white = format!("\"white\": (diffuse: ({albedo}, {albedo}, {albedo}))");
+        let walls = box_of("white", -1.0, 1.0);
+        scene(&format!(
+            "Scene(materials: {{{white}}}, lights: [{light}], objects: [{walls}])"
+        ))
+    };
+    let corner = [DVec3::new(0.8, 1.2, 1.8), DVec3::new(0.5, 1.0, 1.6)];
+    let low = DVec3::new(-0.9, 0.1, 0.1);
+    let hall = [DVec3::new(0.3, 1.7, -22.0), DVec3::new(2.6, 1.8, -24.6)];
+    let near_mirror = [DVec3::new(-0.3, 1.5, 3.7), DVec3::new(0.3, 1.4, 3.0)];
+    for (name, scene, path) in [
+        (
+            "white",
+            room(light("(0, 1.8, 1)", 0.5), 0.9),
+            glide(corner, low),
+        ),
+        (
+            "corner",
+            room(light("(-0.97, 0.02, 0.03)", 2.0), 0.7),
+            glide(corner, low),
+        ),
+        (
+            "gallery",
+            shipped_scene("gallery.ron"),
+            glide(hall, DVec3::new(0.0, 1.6, -26.4)),
+        ),
+        (
+            "test2",
+            shipped_scene("test2.ron"),
+            glide(near_mirror, DVec3::new(0.1, 0.8, -1.0)),
+        ),
+    ] {
+        let looking_up = RenderSettings {
+            target_error: Some(0.004),
+            ..cached_settings(4)
+        };
+        let baked = bake(&scene, &path, "path", &looking_up, None, &|_, _| ());
+        let exact = RenderSettings {
+            integrator: monte_carlo(4, &[1024]),
+            ..looking_up.clone()
+        };
+        let renderers =
+            [looking_up, exact].map(|s| Renderer::new(&scene, s, Some(&baked.cache)).unwrap());
+        let mut held_out = Vec::new();
+        let pixels: Vec<(u32, u32)> = (0..SIZE.0 * SIZE.1)
+            .step_by(7)
+            .map(|number| (number % SIZE.0, number / SIZE.0))
+            .collect();
+        for number in [0, 3, 8] {
+            let camera = path.camera(number);
+            let [technique, oracle] = renderers
+                .each_ref()
+                .map(|renderer| renderer.render_pixels(&camera, number, &pixels));
+            let both = technique.into_iter().zip(oracle);
+            held_out.extend(both.map(|(technique, oracle)| HeldOutPixel { technique, oracle }));
+        }
+        let check = BiasCheck::of(&held_out, 0.0);
+        let [_, high] = check.squared_bias.interval(held_out.len() as u32 - 1);
+        assert!(baked.reaches_target && high < 0.004, "{name}: {check:?}");
+        let [low, high] = check.mean_bias.interval(held_out.len() as u32 - 1);
+        assert!(low < 0.005 && high > -0.005, "{name}: {check:?}");
+    }
+}
+
+/// A bright room beside a dark one, a thin wall between them: no light comes through.
+#[test]
+fn a_closed_room_stays_dark() {
+    let scene = scene(&format!(
+        "Scene({GREY} lights: [{}], objects: [{}{}])",
+        light("(-1, 1, 1)", 5.0),
+        box_of("grey", -2.0, -0.005),
+        box_of("grey", 0.005, 2.0)
+    ));
+    // From one room into the other, no frame within the wall: places lie on both sides of it.
+    let path = glide(
+        [DVec3::new(-1.8, 1.2, 1.7), DVec3::new(1.7, 1.2, 1.7)],
+        DVec3::new(0.0, 0.1, 0.3),
+    );
+    let baked = baked(&scene, &path, 4);
+    let bright = cached(&scene, &path, &baked, 0);
+    assert!(bright.iter().all(|pixel| pixel.min_element() > 0.01));
+    let dark = cached(&scene, &path, &baked, 8);
+    assert!(
+        dark.iter().all(|pixel| *pixel == Vec3::ZERO),
+        "{}",
+        mean(&dark)
+    );
+}
+
+/// The same bits for any number of threads.
+#[test]
+fn threads_do_not_matter() {
+    let scene = shipped_scene("test2.ron");
+    let path = glide(
+        [DVec3::new(-0.3, 1.5, 3.7), DVec3::new(0.3, 1.4, 3.2)],
+        DVec3::new(0.1, 1.0, -1.0),
+    );
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        pool.build().unwrap().install(|| {
+            let baked = baked(&scene, &path, 3);
+            [0, 5].map(|number| cached(&scene, &path, &baked, number))
+        })
+    };
+    let one = on(1);
+    assert!(one == on(2));
+    assert!(one == on(4));
+}
+
+/// Where nothing reflects light, nothing is gathered, and there are no places; nor in an empty scene.
+#[test]
+fn nothing_to_gather() {
+    let black = format!(
+        "Scene(materials: {{\"black\": ()}}, background: (1, 1, 1), objects: [{}])",
+        plate(0.0, 3.0, "black")
+    );
+    for text in [&*black, "Scene(background: (1, 1, 1), objects: [])"] {
+        let scene = scene(text);
+        let eyes = [DVec3::new(0.0, 1.0, 3.0), DVec3::new(0.0, 1.0, 2.0)];
+        let path = glide(eyes, DVec3::ZERO);
+        let baked = baked(&scene, &path, 4);
+        assert_eq!(baked.cache.place_count(), [0, 0]);
+        let exact = path_traced(&scene, &path, 1, 3);
+        assert_eq!(cached(&scene, &path, &baked, 3), exact);
+    }
+}

@@ -1,0 +1,12 @@
+//! Whether the light is right: known answers, invariants, statistics, and another renderer.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod convergence;
+mod global_illumination;
+mod invariants;
+mod irradiance_cache;
+mod mitsuba;
+mod physics;

@@ -14,7 +14,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-rays= mitsuba= povray=
+rays="" mitsuba="" povray=""
 while [ $# -gt 0 ]; do
     case $1 in
         --rays) rays=$(cd "${2:?--rays needs a folder}" && pwd) ;;
@@ -33,7 +33,7 @@ cargo bench --quiet --bench paths
 if [ -n "$rays" ]; then
     embree=$(mktemp)
     trap 'rm -f "$embree"' EXIT
-    for round in 1 2; do
+    for _ in 1 2; do
         if [ -x "$rays/embree_rays" ]; then
             for scene in "$rays"/*.tri; do
                 (cd "$rays" && ./embree_rays bench "$(basename "$scene" .tri)") >>"$embree"
@@ -43,13 +43,13 @@ if [ -n "$rays" ]; then
     done
 fi
 if [ -n "$mitsuba" ]; then
-    for round in 1 2 3; do
+    for _ in 1 2 3; do
         cargo bench --quiet --bench frames -- test3 "64 paths" | tail -n 2
         echo "Mitsuba, 64 samples per pixel: $("${PYTHON:-python3}" "$mitsuba" --spp 64 --frames 4)"
     done
 fi
 if [ -n "$povray" ]; then
-    for round in 1 2 3; do
+    for _ in 1 2 3; do
         cargo bench --quiet --bench frames -- test3 ray | tail -n 1
         echo "POV-Ray, direct light only: $("${PYTHON:-python3}" "$povray" --frames 8 --radiosity '')"
     done

@@ -3,8 +3,8 @@
 #
 #   scripts/make_video.sh FRAMES_DIR VIDEO.mp4
 #
-# The frame rate is the sequence's (FRAMES_DIR/sequence.ron). Refuses a folder in which a frame is not
-# proven (flythrough verify) before it encodes, and counts the video's frames after. Colours are
+# The frame rate is the sequence's (flythrough status). Refuses a folder in which a frame is not verified
+# (flythrough verify) before it encodes, and counts the video's frames after. Colours are
 # converted to BT.709, and the video says so; an odd width or height is padded by one black line.
 #
 # The program is $FLYTHROUGH, else the one that was built beside this script, else the one in $PATH.
@@ -21,10 +21,10 @@ program=${FLYTHROUGH:-$(dirname "$0")/../target/release/flythrough}
 
 "$program" verify --quiet "$frames" >&2 || {
     status=$?
-    echo "make_video: $frames: not every frame is proven; render the sequence again" >&2
+    echo "make_video: $frames: not every frame is verified; render the sequence again" >&2
     exit $status
 }
-entry() { sed -nE "s/^ *$1: ([^,]+),$/\1/p" "$frames/sequence.ron"; }
+entry() { "$program" status "$frames" --get "$1"; }
 fps=$(entry fps) count=$(entry frames) format=$(entry format)
 [ "$format" != exr ] || fail "the frames are $format; videos are made of PNG frames"
 

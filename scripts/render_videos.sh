@@ -12,7 +12,6 @@ shift || true
 command -v cargo >/dev/null || { echo "cargo is missing: install Rust first" >&2; exit 2; }
 missing=()
 command -v ffmpeg >/dev/null || missing+=(ffmpeg)
-command -v c++ >/dev/null || missing+=(g++)
 if [ ${#missing[@]} -gt 0 ]; then
     echo "Installing ${missing[*]}"
     root=; [ "$(id -u)" -eq 0 ] || root=sudo

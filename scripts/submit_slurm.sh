@@ -4,7 +4,7 @@
 #   scripts/submit_slurm.sh SCENE PATH FRAMES_DIR VIDEO.mp4 [options of flythrough render]
 #
 # Submits an array of tasks that render CHUNK frames each, and a job that makes the video once all of them
-# are done. If some fail, the same command picks up: it submits the tasks whose frames are not proven, and a
+# are done. If some fail, the same command picks up: it submits the tasks whose frames are not verified, and a
 # new video job in place of the one that waits. A task that reaches its time limit gives up the frames in
 # flight and is queued again, to go on from there.
 #
@@ -38,7 +38,7 @@ render=("$FLYTHROUGH" render "$1" "$2" --out "$frames_dir" "${@:5}")
 # What the frames are to be; frames that are there of something else count as missing from now on.
 "${render[@]}" --prepare sequence
 mkdir -p "$frames_dir/logs"
-entry() { sed -nE "s/^ *$1: ([^,]+),$/\1/p" "$frames_dir/sequence.ron"; }
+entry() { "$FLYTHROUGH" status "$frames_dir" --get "$1"; }
 count=$(entry frames)
 largest_array=$(scontrol show config | sed -nE 's/^MaxArraySize *= *([0-9]+).*/\1/p')
 chunk=${CHUNK:-10}
@@ -56,13 +56,13 @@ quoted() { printf '%q ' "$@"; }
 
 after=()
 if [ -n "$tasks" ]; then
-    if [ "$(entry path_light)" = true ]; then
-        light=$(submit --job-name=light --cpus-per-task="${CPUS:-4}" --output="$frames_dir/logs/light_%j.log" <<JOB
+    if [ "$(entry irradiance_cache)" = true ]; then
+        cache=$(submit --job-name=cache --cpus-per-task="${CPUS:-4}" --output="$frames_dir/logs/cache_%j.log" <<JOB
 #!/usr/bin/env bash
 exec $(quoted "${render[@]}" --prepare cache)
 JOB
         )
-        after=(--dependency="afterok:$light" --kill-on-invalid-dep=yes)
+        after=(--dependency="afterok:$cache" --kill-on-invalid-dep=yes)
     fi
     array=$(submit --job-name=render --cpus-per-task="${CPUS:-4}" --array="$tasks${MOST:+%$MOST}" \
         --signal=B:USR1@60 --output="$frames_dir/logs/render_%A_%a.log" "${after[@]}" <<TASK
@@ -85,7 +85,7 @@ TASK
     after=(--dependency="afterok:$array" --kill-on-invalid-dep=no)
     echo "frames: job $array, tasks $tasks of $chunk frames"
 else
-    echo "frames: all of them are proven"
+    echo "frames: all of them are verified"
 fi
 
 # The video job of an earlier submission waits for tasks that failed, or for frames that are made anew.

@@ -5,7 +5,6 @@ cd "$(dirname "$0")/.."
 
 missing=()
 command -v ffmpeg >/dev/null || missing+=(ffmpeg)
-command -v c++ >/dev/null || missing+=(g++)
 command -v slurmctld >/dev/null || missing+=(munge slurmctld slurmd slurm-client)
 command -v pgrep >/dev/null || missing+=(procps)
 python3 -c "import ensurepip" 2>/dev/null || missing+=(python3-venv)

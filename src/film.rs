@@ -1,9 +1,9 @@
-//! A frame in linear light, and its encoding for display.
+//! A rendered frame in linear RGB, and its encoding to sRGB (IEC 61966-2-1).
 
 use crate::math::color::{linear_to_srgb, srgb_to_linear};
 use glam::Vec3;
 
-/// A finished frame: linear RGB, rows from the top.
+/// A frame: linear RGB with sRGB primaries, rows from the top, each from the left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: u32,
@@ -21,11 +21,11 @@ impl Film {
         }
     }
 
-    /// A frame of pixels, row by row from the top left.
+    /// A frame of given pixels, row by row from the top left.
     ///
     /// # Panics
     ///
-    /// If there are more or fewer than its size says.
+    /// If their number is not `width * height`.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<Vec3>) -> Film {
         assert_eq!(pixels.len(), width as usize * height as usize);
         Film {
@@ -35,12 +35,12 @@ impl Film {
         }
     }
 
-    /// Columns.
+    /// The number of columns.
     pub fn width(&self) -> u32 {
         self.width
     }
 
-    /// Rows.
+    /// The number of rows.
     pub fn height(&self) -> u32 {
         self.height
     }
@@ -50,36 +50,36 @@ impl Film {
         &self.pixels
     }
 
-    /// The pixels, to be written.
+    /// The pixels, row by row from the top left, to write to.
     pub fn pixels_mut(&mut self) -> &mut [Vec3] {
         &mut self.pixels
     }
 
-    /// `share` of this frame and `other_share` of another of the same size.
+    /// `weight` times this frame plus `other_weight` times another of the same size.
     ///
     /// # Panics
     ///
     /// If their sizes differ.
-    pub fn mixed(&self, share: f32, other: &Film, other_share: f32) -> Film {
+    pub fn weighted_sum(&self, weight: f32, other: &Film, other_weight: f32) -> Film {
         self.assert_same_size(other);
         let pixels = self.pixels.iter().zip(&other.pixels);
         Film {
-            pixels: pixels.map(|(a, b)| share * a + other_share * b).collect(),
+            pixels: pixels.map(|(a, b)| weight * a + other_weight * b).collect(),
             ..*self
         }
     }
 
-    /// Pictures are compared pixel by pixel.
+    /// Asserts that two frames can be compared pixel by pixel.
     ///
     /// # Panics
     ///
     /// If their sizes differ.
     pub fn assert_same_size(&self, other: &Film) {
         let sizes = [self, other].map(|film| (film.width, film.height));
-        assert_eq!(sizes[0], sizes[1], "pictures of different sizes");
+        assert_eq!(sizes[0], sizes[1], "frames of different sizes");
     }
 
-    /// Multiplies all light by 2^`ev`.
+    /// Multiplies every pixel by 2^`ev`: exposure by `ev` stops.
     pub fn expose(&mut self, ev: f32) {
         let factor = libm::exp2f(ev);
         for pixel in &mut self.pixels {
@@ -87,15 +87,15 @@ impl Film {
         }
     }
 
-    /// sRGB codes of 8 bits, rounded, light beyond 1 clipped: R, G, B by pixel.
+    /// sRGB codes of 8 bits, rounded, values beyond 0 to 1 clipped: R, G, B of every pixel.
     pub fn to_srgb8(&self) -> Vec<u8> {
-        // Where the code changes, in linear light: eight comparisons cost less than a power.
+        // The linear values between which the code changes: eight comparisons cost less than a power.
         let steps: [f32; 255] = std::array::from_fn(|i| srgb_to_linear((i as f32 + 0.5) / 255.0));
         let code = |channel: f32| steps.partition_point(|&step| step <= channel) as u8;
         self.channels().map(code).collect()
     }
 
-    /// sRGB codes of 16 bits in big-endian byte order, as PNG wants them.
+    /// sRGB codes of 16 bits, rounded and clipped, in big-endian byte order as in PNG: R, G, B of every pixel.
     pub fn to_srgb16_be(&self) -> Vec<u8> {
         let code = |channel: f32| (linear_to_srgb(channel) * 65535.0).round() as u16;
         self.channels()

@@ -1,4 +1,4 @@
-//! Image textures: sRGB texels, read as linear colour at a texture coordinate.
+//! Image textures: sRGB texels, filtered bilinearly in linear RGB.
 
 use crate::math::color::srgb_to_linear;
 use glam::{Vec2, Vec3};
@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 static LINEAR_OF_CODE: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|code| srgb_to_linear(code as f32 / 255.0)));
 
-/// A colour image with 8-bit sRGB texels, repeated over the plane, filtered bilinearly.
+/// A colour image of 8-bit sRGB texels that repeats over the plane.
 #[derive(Clone, Debug)]
 pub struct Texture {
     width: usize,
@@ -16,8 +16,8 @@ pub struct Texture {
 }
 
 impl Texture {
-    /// `texels` holds rows from the top of the picture, each from the left; or none if their
-    /// number is not `width * height` or is 0.
+    /// A texture of `texels`: rows from the top of the image, each from the left. None if their number is 0 or not
+    /// `width * height`.
     pub fn new(width: usize, height: usize, texels: Vec<[u8; 3]>) -> Option<Texture> {
         (!texels.is_empty() && Some(texels.len()) == width.checked_mul(height)).then_some(Texture {
             width,
@@ -31,14 +31,14 @@ impl Texture {
         (self.width, self.height)
     }
 
-    /// Bytes of the texels.
+    /// The memory that the texels take, in bytes.
     pub fn memory(&self) -> usize {
         self.texels.len() * size_of::<[u8; 3]>()
     }
 
-    /// The linear colour at `uv`: (0, 0) is the lower left corner of the picture, (1, 1) the upper
-    /// right one, and it repeats beyond. Texel centres lie at half-integers; between them the
-    /// decoded colours are interpolated. A coordinate that is not finite reads as 0.
+    /// The linear colour at `uv`: (0, 0) is the lower left corner of the image, (1, 1) the upper right
+    /// one, and it repeats beyond. Texel centres lie at half-integers; between them the decoded colours are interpolated
+    /// bilinearly. A coordinate that is not finite counts as 0.
     pub fn sample(&self, uv: Vec2) -> Vec3 {
         let (x0, x1, fx) = neighbours(uv.x, self.width);
         let (y0, y1, fy) = neighbours(-uv.y, self.height);
@@ -54,7 +54,7 @@ impl Texture {
     }
 }
 
-/// The largest whole number up to `x`. Beyond 2^31 a float is whole already.
+/// The largest integer not above `x`. Every float beyond 2^31 is an integer.
 fn floor(x: f32) -> f32 {
     let truncated = x as i32 as f32;
     if x.abs() >= 2_147_483_648.0 {
@@ -66,12 +66,12 @@ fn floor(x: f32) -> f32 {
     }
 }
 
-/// The two texels of a row of `count` around coordinate `u`, and the weight of the second.
+/// The two texels around coordinate `u` in a row of `count`, and the weight of the second.
 fn neighbours(u: f32, count: usize) -> (usize, usize, f32) {
     // Wrapping first keeps all of the fraction's bits for far tiles.
     let wrapped = u - floor(u);
     let wrapped = if wrapped.is_finite() { wrapped } else { 0.0 };
-    // In 0.5..=count + 0.5, so that truncation is floor; one too many, as the texel before it.
+    // In 0.5..=count + 0.5, so that truncation is floor. `after` may be `count`, which wraps to 0.
     let position = wrapped * count as f32 + 0.5;
     let after = position as usize;
     let second = if after >= count { after - count } else { after };

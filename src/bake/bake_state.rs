@@ -1,9 +1,10 @@
-use super::Listener;
-use super::candidates::{Film, candidates};
-use super::fit::fit;
+//! The records of one or more camera paths and their values, as a file keeps them between runs.
+
+use super::candidates::{FrameProbe, candidates};
 use super::gather::{Gathering, Purpose};
-use super::order::spread;
-use super::placement::{Candidate, Density, Placement};
+use super::gradients::fit_gradients;
+use super::order::van_der_corput_order;
+use super::placement::{Candidate, Placement, Spacing};
 use crate::camera::CameraPath;
 use crate::integrator::FinalGather;
 use crate::irradiance_cache::{
@@ -15,185 +16,194 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What the camera sees itself.
-const VISIBLE: Density = Density {
-    radius: 0.3,
-    spacing: 0.7,
-    angle: 20_f32.to_radians(),
-    probes: 32,
+/// Called with the progress, from 0 to 1, and the current stage.
+pub type Listener<'a> = &'a (dyn Fn(f64, &'static str) + Sync);
+
+/// Of records that the camera sees directly.
+const PRIMARY: Spacing = Spacing {
+    relative_radius: 0.3,
+    max_distance: 0.7,
+    max_angle: 20_f32.to_radians(),
+    probe_rays: 32,
 };
 
-/// What it sees in mirrors.
-const MIRRORED: Density = Density {
-    radius: 0.5,
-    ..VISIBLE
+/// Of records that it sees in mirrors.
+const MIRRORED: Spacing = Spacing {
+    relative_radius: 0.5,
+    ..PRIMARY
 };
 
-/// What gathered rays hit.
-const SECONDARY: Density = Density {
-    radius: 0.7,
-    spacing: 0.7,
-    angle: 40_f32.to_radians(),
-    probes: 32,
+/// Of records that gathered rays hit.
+const SECONDARY: Spacing = Spacing {
+    relative_radius: 0.7,
+    max_distance: 0.7,
+    max_angle: 40_f32.to_radians(),
+    probe_rays: 32,
 };
 
-/// No place that the camera sees is smaller than so many pixels; in mirrors, which mostly show things smaller.
-const LEAST_PIXELS: [f32; 2] = [6.0, 12.0];
+/// The smallest radius of primary records, in pixels (as Tabellion and Lamorlette 2004 bound radii): seen directly,
+/// and in mirrors, which mostly show objects smaller.
+const MIN_PIXELS: [f32; 2] = [6.0, 12.0];
 
-/// No secondary place is smaller than this share of the usual distance between surfaces.
-const LEAST_SECONDARY: f32 = 0.4;
+/// The smallest radius of secondary records, relative to the median distance between surfaces.
+const MIN_SECONDARY_RADIUS: f32 = 0.4;
 
-/// Paths from all places that the camera sees: noise is what is left on even walls, and few places take little
-/// time.
+/// Paths of all primary records together: few records get more paths each, at little cost, which lowers the noise
+/// on large flat surfaces.
 const PATHS: usize = 16_000_000;
 
-/// But from each no fewer and no more.
-const LEAST_PATHS: usize = 160;
-const MOST_PATHS: usize = 480;
+/// Bounds of paths per primary record.
+const MIN_PATHS: usize = 160;
+const MAX_PATHS: usize = 480;
 
-/// Paths from each secondary place, for each number of bounces.
+/// Paths per secondary record, for each number of bounces left.
 const SECONDARY_PATHS: u32 = 32;
 
-/// How often what is seen from secondary places gets secondary places, too.
-const ROUNDS: u32 = 8;
+/// How many generations of secondary records are placed, each where the last one sees surfaces.
+const GENERATIONS: u32 = 8;
 
-/// The sizes of finer places, of the usual ones: each half as large as the next coarser.
-fn scale(fineness: u32) -> f32 {
-    0.7_f32.powi(fineness as i32)
+/// The radius of records at a refinement level, relative to level 0: each level halves their area.
+fn radius_scale(refinement_level: u32) -> f32 {
+    0.7_f32.powi(refinement_level as i32)
 }
 
-/// The light of what some camera paths see, and what it takes to add more.
+/// The irradiance records of some camera paths, and what it takes to add those of further paths.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct BakeState {
-    fineness: u32,
+    refinement_level: u32,
     seed: u32,
     /// The names of the paths.
     paths: Vec<String>,
-    /// How far off the light is, as far as that was measured since the last path was added.
-    errors: Vec<KnownErrors>,
+    /// Cache errors measured since the last path was added.
+    errors: Vec<PathErrors>,
     /// By the number of bounces left, less 1.
-    visible: Vec<Layer>,
-    /// Its light is by the number of bounces left, less 1.
+    primary: Vec<Layer>,
+    /// Its values are by the number of bounces left, less 1.
     secondary: Layer,
 }
 
-/// How far off the light is in the frames of a path.
+/// The cache errors in the frames of a path.
 #[derive(Debug, Serialize, Deserialize)]
-struct KnownErrors {
+struct PathErrors {
     /// The path's name.
     path: String,
-    /// The light that is displayed as white: errors are relative to it.
-    white: f32,
-    /// Frame by frame.
+    /// The radiance that is displayed as white: errors are relative to it.
+    display_white: f32,
+    /// By frame.
     errors: Vec<ErrorEstimate>,
 }
 
-/// IrradianceRecords and their light.
+/// Records and their values.
 #[derive(Debug, Serialize, Deserialize)]
 struct Layer {
     placement: Placement,
-    /// IrradianceRecord by place, for one or more numbers of bounces left.
-    light: Vec<Vec<Vec3>>,
+    /// E / π in W/(sr m²), by number of bounces left, for one or more, and by record.
+    values: Vec<Vec<Vec3>>,
 }
 
 impl Layer {
-    fn new(scene: &Scene, density: Density, seed: u32, levels: u32) -> Layer {
+    fn new(scene: &Scene, spacing: Spacing, seed: u32, levels: u32) -> Layer {
         Layer {
-            placement: Placement::new(scene, density, seed),
-            light: vec![Vec::new(); levels as usize],
+            placement: Placement::new(scene, spacing, seed),
+            values: vec![Vec::new(); levels as usize],
         }
     }
 
-    /// IrradianceRecords and light in the order of look-ups.
-    fn settled(&self) -> (IrradianceRecords, Vec<Vec<Vec3>>) {
-        let (places, order) = self.placement.places.settled();
-        let in_order = |light: &Vec<Vec3>| order.iter().map(|&number| light[number]).collect();
-        (places, self.light.iter().map(in_order).collect())
+    /// Records and values in the order of [`IrradianceRecords::compacted`].
+    fn compacted(&self) -> (IrradianceRecords, Vec<Vec<Vec3>>) {
+        let (records, order) = self.placement.records.compacted();
+        let in_order = |values: &Vec<Vec3>| order.iter().map(|&number| values[number]).collect();
+        (records, self.values.iter().map(in_order).collect())
     }
 }
 
 impl BakeState {
-    /// Nothing is finer.
-    pub const FINEST: u32 = 3;
+    /// The highest refinement level.
+    pub const MAX_REFINEMENT: u32 = 3;
 
-    /// Of no path yet, where `bounces` bounces are counted. The fineness is 0 to [`BakeState::FINEST`]: each
-    /// has twice as many places as the last, and twice as many paths from each of them.
-    pub fn new(scene: &Scene, bounces: u32, seed: u32, fineness: u32) -> BakeState {
-        let finer = |density: Density| Density {
-            radius: density.radius * scale(fineness),
-            ..density
+    /// The state without paths, where `bounces` bounces are counted. Each refinement level, from 0 to
+    /// [`BakeState::MAX_REFINEMENT`], has twice as many records as the last and twice as many paths per record.
+    pub fn new(scene: &Scene, bounces: u32, seed: u32, refinement_level: u32) -> BakeState {
+        let refined = |spacing: Spacing| Spacing {
+            relative_radius: spacing.relative_radius * radius_scale(refinement_level),
+            ..spacing
         };
-        let visible = |left: u32| {
-            let density = if left == bounces { VISIBLE } else { MIRRORED };
-            Layer::new(scene, finer(density), seed, 1)
+        let primary = |bounces_left: u32| {
+            let spacing = if bounces_left == bounces {
+                PRIMARY
+            } else {
+                MIRRORED
+            };
+            Layer::new(scene, refined(spacing), seed, 1)
         };
         BakeState {
-            fineness,
+            refinement_level,
             seed,
             paths: Vec::new(),
             errors: Vec::new(),
-            visible: (1..=bounces).map(visible).collect(),
-            secondary: Layer::new(scene, finer(SECONDARY), seed, bounces.saturating_sub(1)),
+            primary: (1..=bounces).map(primary).collect(),
+            secondary: Layer::new(scene, refined(SECONDARY), seed, bounces.saturating_sub(1)),
         }
     }
 
-    /// How fine it is.
-    pub fn fineness(&self) -> u32 {
-        self.fineness
+    /// The refinement level.
+    pub fn refinement_level(&self) -> u32 {
+        self.refinement_level
     }
 
-    /// The names of the paths whose light it holds, in the order in which they were added.
+    /// The names of the paths whose records it holds, in the order in which they were added.
     pub fn paths(&self) -> &[String] {
         &self.paths
     }
 
-    /// Whether it holds the light of the path of this name.
+    /// Whether it holds the records of the path of this name.
     pub fn covers(&self, name: &str) -> bool {
         self.paths.iter().any(|path| path == name)
     }
 
-    /// How far off it is in the frames of a path, if that is known for this white.
-    pub fn errors(&self, name: &str, white: f32) -> Option<&[ErrorEstimate]> {
-        let of_path = |known: &&KnownErrors| known.path == name && known.white == white;
-        let known = self.errors.iter().find(of_path)?;
-        Some(&known.errors)
+    /// The cache error of each frame of a path, if it was measured for this display white.
+    pub fn errors(&self, name: &str, display_white: f32) -> Option<&[ErrorEstimate]> {
+        let of_path =
+            |errors: &&PathErrors| errors.path == name && errors.display_white == display_white;
+        let errors = self.errors.iter().find(of_path)?;
+        Some(&errors.errors)
     }
 
-    /// Remembers how far off it is.
-    pub(super) fn learn(&mut self, name: &str, white: f32, errors: &[ErrorEstimate]) {
-        self.errors.push(KnownErrors {
+    /// Stores the cache error of each frame of a path.
+    pub(super) fn set_errors(&mut self, name: &str, display_white: f32, errors: &[ErrorEstimate]) {
+        self.errors.push(PathErrors {
             path: name.to_owned(),
-            white,
+            display_white,
             errors: errors.to_vec(),
         });
     }
 
     fn bounces(&self) -> u32 {
-        self.visible.len() as u32
+        self.primary.len() as u32
     }
 
-    /// What can be looked up.
-    pub fn illumination(&self) -> IrradianceCache {
-        let visible = |layer: &Layer| {
-            let (places, light) = layer.settled();
+    /// The irradiance cache that frames use.
+    pub fn irradiance_cache(&self) -> IrradianceCache {
+        let primary = |layer: &Layer| {
+            let (records, values) = layer.compacted();
             PrimaryIrradiance {
-                light: fit(&places, &light[0]),
-                places,
+                values: fit_gradients(&records, &values[0]),
+                records,
             }
         };
-        let (places, levels) = self.secondary.settled();
+        let (records, values) = self.secondary.compacted();
         IrradianceCache {
-            visible: self.visible.iter().map(visible).collect(),
+            primary: self.primary.iter().map(primary).collect(),
             secondary: SecondaryIrradiance {
-                nearest: self.secondary.placement.least_radius(),
-                places,
-                levels,
+                min_distance: self.secondary.placement.min_radius(),
+                records,
+                values,
             },
         }
     }
 
-    /// Adds the light of a path, whose frames have `size` columns and rows.
-    pub fn extend(
+    /// Adds the records of a path whose frames have `size` columns and rows.
+    pub fn add_path(
         &mut self,
         scene: &Scene,
         path: &CameraPath,
@@ -201,21 +211,22 @@ impl BakeState {
         size: (u32, u32),
         listener: Listener,
     ) {
-        let hits = self.place_visible(scene, path, size, listener);
-        listener(0.3, "secondary places");
+        let hits = self.place_primary(scene, path, size, listener);
+        listener(0.3, "secondary records");
         self.place_secondary(scene, hits);
-        listener(0.35, "secondary light");
+        listener(0.35, "secondary irradiance");
         let final_gather = FinalGather::new(scene);
-        let known = self.light_secondary(&final_gather);
-        self.light_visible(&final_gather, &known, listener);
+        let secondary = self.gather_secondary(&final_gather);
+        self.gather_primary(&final_gather, &secondary, listener);
         self.paths.push(name.to_owned());
         self.errors.clear();
     }
 
-    /// Covers what all frames see. Returns what is seen from there.
+    /// Covers what all frames see. Returns candidates for secondary records.
     ///
-    /// Frames come in an order that spreads them: the first ones cover most, and later ones fill in.
-    fn place_visible(
+    /// Frames come in van der Corput order: the first ones, far apart, place most records, and later ones fill
+    /// gaps.
+    fn place_primary(
         &mut self,
         scene: &Scene,
         path: &CameraPath,
@@ -223,107 +234,112 @@ impl BakeState {
         listener: Listener,
     ) -> Vec<Candidate> {
         let mut hits = Vec::new();
-        if self.visible.is_empty() {
+        if self.primary.is_empty() {
             return hits;
         }
         let frames = path.timeline().frame_count();
         let bounces = self.bounces();
-        let scale = scale(self.fineness);
-        for (turn, frame) in (0..).zip(spread(frames)) {
-            listener(0.3 * f64::from(turn) / f64::from(frames), "visible places");
-            let film = Film {
+        let scale = radius_scale(self.refinement_level);
+        for (pass, frame) in (0..).zip(van_der_corput_order(frames)) {
+            listener(0.3 * f64::from(pass) / f64::from(frames), "primary records");
+            let probe = FrameProbe {
                 scene,
                 camera: path.camera(frame),
                 size,
                 bounces,
-                least_pixels: LEAST_PIXELS.map(|pixels| scale * pixels),
+                min_pixels: MIN_PIXELS.map(|pixels| scale * pixels),
                 seed: self.seed,
-                turn,
+                pass,
             };
-            for (layer, seen) in self.visible.iter_mut().zip(candidates(&film)) {
+            for (layer, seen) in self.primary.iter_mut().zip(candidates(&probe)) {
                 hits.extend(layer.placement.cover(scene, &seen));
             }
         }
         hits
     }
 
-    /// Covers what is seen from visible places, from there, and so on.
+    /// Covers what is seen from primary records, then what is seen from there, and so on.
     fn place_secondary(&mut self, scene: &Scene, mut hits: Vec<Candidate>) {
-        // Of one bounce nothing is looked up.
+        // A single bounce needs no secondary records.
         if self.bounces() < 2 {
             return;
         }
-        let visible = self.visible.iter().rev();
-        let usual = visible
+        let primary = self.primary.iter().rev();
+        let median = primary
             .map(|layer| &layer.placement)
-            .find_map(Placement::usual_distance);
-        let scale = scale(self.fineness);
-        let least_radius = scale * LEAST_SECONDARY * usual.unwrap_or(0.0);
-        for _ in 0..ROUNDS {
+            .find_map(Placement::median_distance);
+        let scale = radius_scale(self.refinement_level);
+        let min_radius = scale * MIN_SECONDARY_RADIUS * median.unwrap_or(0.0);
+        for _ in 0..GENERATIONS {
             for hit in &mut hits {
-                hit.least_radius = least_radius;
+                hit.min_radius = min_radius;
             }
             hits = self.secondary.placement.cover(scene, &hits);
         }
     }
 
-    /// Gathers the light of secondary places that have none yet, for one bounce, for two, and so on, each
+    /// Gathers the values of secondary records that have none yet, for one bounce left, for two, and so on, each
     /// from the last.
-    fn light_secondary(&mut self, final_gather: &FinalGather) -> SecondaryIrradiance {
-        let Layer { placement, light } = &mut self.secondary;
-        let (places, order) = placement.places.settled();
-        let mut known = SecondaryIrradiance {
-            nearest: placement.least_radius(),
-            places,
-            levels: Vec::new(),
+    fn gather_secondary(&mut self, final_gather: &FinalGather) -> SecondaryIrradiance {
+        let Layer { placement, values } = &mut self.secondary;
+        let (records, order) = placement.records.compacted();
+        let mut secondary = SecondaryIrradiance {
+            min_distance: placement.min_radius(),
+            records,
+            values: Vec::new(),
         };
-        for (left, level) in (1..).zip(light) {
+        for (bounces_left, level) in (1..).zip(values) {
             let gathering = Gathering {
                 final_gather,
-                left,
-                paths: SECONDARY_PATHS << self.fineness,
-                purpose: Purpose::SecondaryIrradiance,
+                bounces_left,
+                paths: SECONDARY_PATHS << self.refinement_level,
+                purpose: Purpose::Secondary,
                 seed: self.seed,
             };
             let new = &placement.points[level.len()..];
-            level.extend(gathering.light(new, &known, &|| ()));
+            level.extend(gathering.mean_radiance(new, &secondary, &|| ()));
             let in_order = order.iter().map(|&number| level[number]);
-            known.levels.push(in_order.collect());
+            secondary.values.push(in_order.collect());
         }
-        known
+        secondary
     }
 
-    /// Gathers the light of visible places that have none yet.
-    fn light_visible(
+    /// Gathers the values of primary records that have none yet.
+    fn gather_primary(
         &mut self,
         final_gather: &FinalGather,
-        known: &SecondaryIrradiance,
+        secondary: &SecondaryIrradiance,
         listener: Listener,
     ) {
-        let missing = |layer: &Layer| layer.placement.points.len() - layer.light[0].len();
-        let all: usize = self.visible.iter().map(missing).sum();
+        let missing = |layer: &Layer| layer.placement.points.len() - layer.values[0].len();
+        let all: usize = self.primary.iter().map(missing).sum();
         let done = AtomicUsize::new(0);
-        let gathered = || {
+        let on_point = || {
             let before = done.fetch_add(1, Ordering::Relaxed);
             if before.is_multiple_of(256) {
-                listener(0.5 + 0.47 * before as f64 / all as f64, "visible light");
+                let progress = 0.5 + 0.47 * before as f64 / all as f64;
+                listener(progress, "primary irradiance");
             }
         };
         let bounces = self.bounces();
-        let paths = (PATHS / all.max(1)).clamp(LEAST_PATHS, MOST_PATHS) as u32;
-        for (left, layer) in (1..).zip(&mut self.visible) {
-            // What mirrors show is but a part of the light.
-            let paths = if left < bounces { paths / 2 } else { paths };
+        let paths = (PATHS / all.max(1)).clamp(MIN_PATHS, MAX_PATHS) as u32;
+        for (bounces_left, layer) in (1..).zip(&mut self.primary) {
+            // What is seen in mirrors contributes less to a pixel.
+            let paths = if bounces_left < bounces {
+                paths / 2
+            } else {
+                paths
+            };
             let gathering = Gathering {
                 final_gather,
-                left,
-                paths: paths << self.fineness,
-                purpose: Purpose::PrimaryIrradiance,
+                bounces_left,
+                paths: paths << self.refinement_level,
+                purpose: Purpose::Primary,
                 seed: self.seed,
             };
-            let light = &mut layer.light[0];
-            let new = &layer.placement.points[light.len()..];
-            light.extend(gathering.light(new, known, &gathered));
+            let values = &mut layer.values[0];
+            let new = &layer.placement.points[values.len()..];
+            values.extend(gathering.mean_radiance(new, secondary, &on_point));
         }
     }
 }

@@ -1,90 +1,96 @@
-use super::BakeState;
+//! The file of a baked irradiance cache, which runs of the program share: a magic text, a hash of all that follows,
+//! the input hash, and the [`BakeState`] in postcard encoding.
+
+use super::bake_state::BakeState;
 use crate::storage::{check_writable, write_atomic};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// What such a file begins with: its format and the number of that.
-const MAGIC: &[u8] = b"flythrough light 2\n";
+/// First bytes of the file: name and version of the format.
+const MAGIC: &[u8] = b"flythrough irradiance cache 3\n";
 
 /// Bytes of a hash.
 const HASH: usize = blake3::OUT_LEN;
 
-/// A file of light that camera paths share: the magic, a hash of all that follows, a hash of what the light is
-/// of, and the light.
+/// An irradiance cache on disk.
 #[derive(Debug)]
 pub struct CacheFile {
     file: PathBuf,
-    /// A hash of all that decides the light but for the paths: scene, settings, program version.
-    fingerprint: blake3::Hash,
+    /// A hash of all that decides the records but for the camera paths: scene, settings, build.
+    input_hash: blake3::Hash,
     /// The same for other builds of the program whose caches count as this one's.
     accepted: Vec<blake3::Hash>,
 }
 
-/// Why a file of light cannot be used.
+/// Why an irradiance cache cannot be read or written.
 #[derive(Debug, Error)]
 pub enum CacheFileError {
-    /// It is there, but cannot be read.
+    /// The file exists, but cannot be read.
     #[error("{file}: cannot be read: {source}", file = .file.display())]
     Unreadable {
         /// The file.
         file: PathBuf,
-        /// What the system says.
+        /// The system's reason.
         source: io::Error,
     },
-    /// It cannot be written.
+    /// The file cannot be written.
     #[error("{file}: cannot be written: {source}", file = .file.display())]
     Unwritable {
         /// The file.
         file: PathBuf,
-        /// What the system says.
+        /// The system's reason.
         source: io::Error,
     },
-    /// It is something else.
-    #[error("{file}: is no file of light of this version; use another name", file = .file.display())]
-    Foreign {
+    /// The file does not begin with the magic text. It is never written over.
+    #[error(
+        "{file}: is not an irradiance cache of this version; use another file name, or remove the file \
+         if it is an old cache",
+        file = .file.display()
+    )]
+    NotACache {
         /// The file.
         file: PathBuf,
     },
-    /// It is not what was written.
+    /// The content does not match its hash.
     #[error(
-        "{file}: is damaged: cut short or changed; --force works the light out anew",
+        "{file}: the irradiance cache is damaged: cut short or changed; --force bakes it anew",
         file = .file.display()
     )]
     Damaged {
         /// The file.
         file: PathBuf,
     },
-    /// It is the light of something else.
+    /// The input hash differs.
     #[error(
-        "{file}: holds the light of another scene, other settings or another version; use another \
-         file, or --force to work it out anew",
+        "{file}: is the irradiance cache of another scene, other settings or another build; use another \
+         file, or --force to bake it anew",
         file = .file.display()
     )]
-    Other {
+    OtherInputs {
         /// The file.
         file: PathBuf,
     },
 }
 
 impl CacheFile {
-    /// A file that is there or will be. What is written has the first hash; what is read may have any of them.
-    pub fn new(file: &Path, fingerprint: blake3::Hash, accepted: Vec<blake3::Hash>) -> CacheFile {
+    /// A file that exists or will be written. The input hash is of all that decides the records but for the camera
+    /// paths; caches with one of the `accepted` hashes are read, too.
+    pub fn new(file: &Path, input_hash: blake3::Hash, accepted: Vec<blake3::Hash>) -> CacheFile {
         CacheFile {
             file: file.to_owned(),
-            fingerprint,
+            input_hash,
             accepted,
         }
     }
 
-    /// Proves that it can be written, before the work and not after.
+    /// Checks that the file can be written, before the cache is baked.
     pub fn check_writable(&self) -> Result<(), CacheFileError> {
         check_writable(&self.file).map_err(|source| self.unwritable(source))
     }
 
-    /// The light that it holds; none if there is no such file. With `force` none, too, if it is damaged or of
-    /// something else.
+    /// Reads the file; none if it does not exist or, with `force`, if it is damaged or has another input hash.
     pub fn read(&self, force: bool) -> Result<Option<BakeState>, CacheFileError> {
         let file = || self.file.clone();
         let bytes = match fs::read(&self.file) {
@@ -95,7 +101,7 @@ impl CacheFile {
             })?,
         };
         let Some(content) = bytes.strip_prefix(MAGIC) else {
-            return Err(CacheFileError::Foreign { file: file() });
+            return Err(CacheFileError::NotACache { file: file() });
         };
         let read = self.decode(content);
         match read {
@@ -112,19 +118,19 @@ impl CacheFile {
         if blake3::hash(content).as_bytes() != hash {
             return Err(damaged());
         }
-        let (fingerprint, light) = content.split_at_checked(HASH).ok_or_else(damaged)?;
-        let is_it = |hash: &blake3::Hash| hash.as_bytes() == fingerprint;
-        if !is_it(&self.fingerprint) && !self.accepted.iter().any(is_it) {
-            return Err(CacheFileError::Other {
+        let (input_hash, state) = content.split_at_checked(HASH).ok_or_else(damaged)?;
+        let is_it = |hash: &blake3::Hash| hash.as_bytes() == input_hash;
+        if !is_it(&self.input_hash) && !self.accepted.iter().any(is_it) {
+            return Err(CacheFileError::OtherInputs {
                 file: self.file.clone(),
             });
         }
-        postcard::from_bytes(light).map_err(|_| damaged())
+        postcard::from_bytes(state).map_err(|_| damaged())
     }
 
-    /// Keeps light for other runs: the file is there whole or not at all.
-    pub fn write(&self, light: &BakeState) -> Result<(), CacheFileError> {
-        let content = postcard::to_extend(light, self.fingerprint.as_bytes().to_vec());
+    /// Writes the file atomically: a reader sees the old one or the new one.
+    pub fn write(&self, state: &BakeState) -> Result<(), CacheFileError> {
+        let content = postcard::to_extend(state, self.input_hash.as_bytes().to_vec());
         let written = content.map_err(io::Error::other).and_then(|content| {
             let hash = blake3::hash(&content);
             let bytes = [MAGIC, hash.as_bytes(), &content].concat();
@@ -138,5 +144,28 @@ impl CacheFile {
             file: self.file.clone(),
             source,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::SceneBuilder;
+
+    #[test]
+    fn caches_of_accepted_inputs_are_read() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("irradiance.cache");
+        let [ours, theirs] = ["ours", "theirs"].map(|text| blake3::hash(text.as_bytes()));
+        let (scene, _) = SceneBuilder::default().build();
+        let state = BakeState::new(&scene, 2, 0, 0);
+        let written = CacheFile::new(&file, theirs, Vec::new()).write(&state);
+        written.expect("written");
+        let read = |accepted| CacheFile::new(&file, ours, accepted).read(false);
+        assert!(matches!(
+            read(Vec::new()),
+            Err(CacheFileError::OtherInputs { .. })
+        ));
+        assert!(read(vec![theirs]).expect("accepted").is_some());
     }
 }

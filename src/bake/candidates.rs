@@ -1,4 +1,6 @@
-use super::order::spread;
+//! Candidates for primary records: points that the pixels of a frame see.
+
+use super::order::van_der_corput_order;
 use super::placement::Candidate;
 use crate::accel::Traversal;
 use crate::camera::Camera;
@@ -9,41 +11,41 @@ use crate::scene::Scene;
 use glam::DVec2;
 use rayon::prelude::*;
 
-/// One point is looked at in each frame in a square of so many pixels across.
+/// Side of the squares of pixels that each get one camera ray.
 const STRIDE: f64 = 8.0;
 
-/// Frames of fewer rows are looked at as if they had so many: they are worth as much.
-const LEAST_ROWS: u32 = 240;
+/// Frames of fewer rows are probed as if they had so many, so that small frames get as many candidates.
+const MIN_ROWS: u32 = 240;
 
-/// So many rays are traced together, side by side.
+/// Neighbouring rays that are traced together.
 const BATCH: u32 = 64;
 
-/// A frame whose pixels are looked at.
-pub(super) struct Film<'a> {
+/// A frame whose visible points are candidates.
+pub(super) struct FrameProbe<'a> {
     pub(super) scene: &'a Scene,
     pub(super) camera: Camera,
     /// Columns and rows.
     pub(super) size: (u32, u32),
     pub(super) bounces: u32,
-    /// The least radius of places that the camera sees, and of those in mirrors.
-    pub(super) least_pixels: [f32; 2],
+    /// The smallest radius, in pixels, of records that the camera sees directly, and in mirrors.
+    pub(super) min_pixels: [f32; 2],
     pub(super) seed: u32,
-    /// Chooses which point of each square.
-    pub(super) turn: u32,
+    /// Chooses the position within all squares.
+    pub(super) pass: u32,
 }
 
-/// What a frame sees, by the number of bounces left less 1: points all over the frame, in an order of which
-/// every beginning is spread.
-pub(super) fn candidates(film: &Film) -> Vec<Vec<Candidate>> {
-    let (width, height) = film.size;
-    let bounces = film.bounces;
-    let rays = film
+/// The points that a frame sees, by the number of bounces left less 1, in an order of which every prefix is spread
+/// over the frame.
+pub(super) fn candidates(probe: &FrameProbe) -> Vec<Vec<Candidate>> {
+    let (width, height) = probe.size;
+    let bounces = probe.bounces;
+    let rays = probe
         .camera
-        .rays(DVec2::new(width.into(), height.into()), film.scene.origin);
-    // Of the pixels that places are measured by.
-    let pixel = f64::from(height) / f64::from(height.max(LEAST_ROWS));
-    let pixel_angle = (pixel * 2.0 * film.camera.half_height / f64::from(height)) as f32;
-    let shift = Sequence::new(film.seed, 0, 0, 0).sample_2d(film.turn, 0);
+        .rays(DVec2::new(width.into(), height.into()), probe.scene.origin);
+    // Size of a pixel, in pixels of the frame, if the frame had at least `MIN_ROWS` rows.
+    let pixel = f64::from(height) / f64::from(height.max(MIN_ROWS));
+    let pixel_angle = (pixel * 2.0 * probe.camera.half_height / f64::from(height)) as f32;
+    let shift = Sequence::new(probe.seed, 0, 0, 0).sample_2d(probe.pass, 0);
     let shift = DVec2::new(shift[0].into(), shift[1].into());
     let stride = STRIDE * pixel;
     let squares = |pixels: u32| (f64::from(pixels) / stride).ceil() as u32;
@@ -54,28 +56,28 @@ pub(super) fn candidates(film: &Film) -> Vec<Vec<Candidate>> {
         let is_on_film = number < columns * rows && film.x < width.into() && film.y < height.into();
         is_on_film.then(|| rays.through(film))
     };
-    let seen: Vec<_> = (0..(columns * rows).div_ceil(BATCH))
+    let visible: Vec<_> = (0..(columns * rows).div_ceil(BATCH))
         .into_par_iter()
         .flat_map_iter(|batch| {
             let rays: Vec<Ray> = (batch * BATCH..(batch + 1) * BATCH)
                 .filter_map(ray)
                 .collect();
-            visible_points(film.scene, &rays, bounces, &mut Traversal::default())
+            visible_points(probe.scene, &rays, bounces, &mut Traversal::default())
         })
         .collect();
-    let of_level = |left: u32| {
-        let of_level: Vec<_> = seen
+    let with_bounces = |bounces_left: u32| {
+        let visible: Vec<_> = visible
             .iter()
-            .filter(|seen| seen.bounces_left == left)
+            .filter(|visible| visible.bounces_left == bounces_left)
             .collect();
-        let pixels = film.least_pixels[usize::from(left < bounces)];
-        spread(of_level.len() as u32)
-            .map(|number| of_level[number as usize])
-            .map(|seen| Candidate {
-                point: seen.point,
-                least_radius: pixels * pixel_angle * seen.distance,
+        let pixels = probe.min_pixels[usize::from(bounces_left < bounces)];
+        van_der_corput_order(visible.len() as u32)
+            .map(|number| visible[number as usize])
+            .map(|visible| Candidate {
+                point: visible.point,
+                min_radius: pixels * pixel_angle * visible.distance,
             })
             .collect()
     };
-    (1..=bounces).map(of_level).collect()
+    (1..=bounces).map(with_bounces).collect()
 }

@@ -1,3 +1,5 @@
+//! Gathers the values of records: a final gather at each of them.
+
 use crate::accel::Traversal;
 use crate::integrator::{FinalGather, GatherPoint};
 use crate::irradiance_cache::SecondaryIrradiance;
@@ -6,61 +8,68 @@ use crate::scene::SurfacePoint;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// So many points are gathered for together.
+/// Points that are gathered for together.
 const BATCH: usize = 16;
 
-/// What random numbers are for: none are used twice.
+/// What samples are for. Samples of different purposes are independent.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Purpose {
-    Probes,
-    SecondaryIrradiance,
-    PrimaryIrradiance,
+    Probe,
+    Secondary,
+    Primary,
 }
 
-/// The random numbers of a point: they depend on where it is, not on when it was found.
-pub(super) fn numbers_of(point: &SurfacePoint, seed: u32, purpose: Purpose, left: u32) -> Sequence {
+/// The samples of a point. They depend on its position and normal, not on when it was found.
+pub(super) fn sequence_of(
+    point: &SurfacePoint,
+    seed: u32,
+    purpose: Purpose,
+    bounces_left: u32,
+) -> Sequence {
     let [x, y, z] = point.position.to_array().map(f32::to_bits);
     let [nx, ny, nz] = point.shading_normal.to_array().map(f32::to_bits);
     let side = nx ^ ny.rotate_left(11) ^ nz.rotate_left(22);
-    let purpose = (purpose as u32) << 8 | left;
+    let purpose = (purpose as u32) << 8 | bounces_left;
     Sequence::new(seed ^ side, purpose ^ x.rotate_left(16), y, z)
 }
 
-/// How light is gathered at places.
+/// How the values of records are gathered.
 pub(super) struct Gathering<'a> {
     pub(super) final_gather: &'a FinalGather<'a>,
-    /// How many bounces are left there.
-    pub(super) left: u32,
+    /// How many bounces are left at the records, at least one.
+    pub(super) bounces_left: u32,
+    /// Paths per record.
     pub(super) paths: u32,
     pub(super) purpose: Purpose,
     pub(super) seed: u32,
 }
 
 impl Gathering<'_> {
-    /// The light at each point; `done` is told of each.
-    pub(super) fn light(
+    /// Mean incident radiance at each point, E / π in W/(sr m²). Paths end at the first hit that the secondary
+    /// records cover. `on_point` is called once per finished point.
+    pub(super) fn mean_radiance(
         &self,
         points: &[SurfacePoint],
-        known: &SecondaryIrradiance,
-        done: &(dyn Fn() + Sync),
+        secondary: &SecondaryIrradiance,
+        on_point: &(dyn Fn() + Sync),
     ) -> Vec<Vec3> {
         let of_batch = |points: &[SurfacePoint]| {
             let gather_point = |point: &SurfacePoint| GatherPoint {
                 point: *point,
-                sequence: numbers_of(point, self.seed, self.purpose, self.left),
+                sequence: sequence_of(point, self.seed, self.purpose, self.bounces_left),
                 index: 0,
             };
             let points: Vec<GatherPoint> = points.iter().map(gather_point).collect();
             let mut traversal = Traversal::default();
-            let light = self.final_gather.gather(
+            let mean_radiance = self.final_gather.gather(
                 &points,
-                self.left,
+                self.bounces_left,
                 self.paths,
-                Some(known),
+                Some(secondary),
                 &mut traversal,
             );
-            points.iter().for_each(|_| done());
-            light
+            points.iter().for_each(|_| on_point());
+            mean_radiance
         };
         points.par_chunks(BATCH).flat_map_iter(of_batch).collect()
     }

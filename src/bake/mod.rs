@@ -1,20 +1,21 @@
-//! Works out the indirect light that a camera path needs, before its first frame.
+//! Bakes the irradiance cache of a camera path, before its first frame.
 //!
-//! First the places are chosen, by geometry alone: what the frames see is covered with discs, smaller where
-//! other surfaces are close; and so, more coarsely, is what can be seen from there. Then the light of each
-//! place is gathered: of the coarse ones for one bounce, for two, and so on, each from the last; and with
-//! these that of the fine ones. Each place learns from its neighbours how light changes. At last what is looked
-//! up is held against exact light at pixels chosen by chance: the error is known before the first frame, and
-//! where it is more than is wanted, all is done again with more and smaller places.
+//! 1. Placement: records cover what the frames see, more densely where other surfaces are close (Ward et al.
+//!    1988), and, more coarsely, what is seen from there.
+//! 2. Gathering: path tracing gives the value of each record; of secondary records for one bounce left, for two,
+//!    and so on, each from the last, and from these that of primary records.
+//! 3. Gradients: a linear function is fitted to the values around each primary record.
+//! 4. Validation: at held-out pixels the cache is compared with path tracing, which gives the cache error of each
+//!    frame. Where it exceeds the target, all is baked again with more and smaller records.
 //!
-//! All of it is a function of scene, path and settings: the same for any number of threads, and for whichever
+//! The result is a function of scene, path and settings: it does not depend on the number of threads, nor on which
 //! frames are rendered with it.
 
 mod bake_state;
 mod cache_file;
 mod candidates;
-mod fit;
 mod gather;
+mod gradients;
 mod order;
 mod placement;
 mod validation;
@@ -23,31 +24,28 @@ use crate::camera::CameraPath;
 use crate::irradiance_cache::IrradianceCache;
 use crate::render::{ErrorEstimate, PixelSampling, RenderSettings};
 use crate::scene::Scene;
-pub use bake_state::BakeState;
+pub use bake_state::{BakeState, Listener};
 pub use cache_file::{CacheFile, CacheFileError};
 pub use validation::cache_errors;
 
-/// Is told how far the work is, of 1, and what is done now.
-pub type Listener<'a> = &'a (dyn Fn(f64, &'static str) + Sync);
-
-/// The irradiance cache of a path, and how good it is.
+/// The baked irradiance cache of a camera path and its error.
 #[derive(Debug)]
 pub struct Baked {
-    /// What can be kept for other runs.
+    /// What a file keeps for other runs.
     pub state: BakeState,
-    /// What frames look up.
+    /// What frames interpolate.
     pub cache: IrradianceCache,
-    /// The cache's error in each frame of the path; empty if there are no bounces.
+    /// The cache error of each frame of the path; empty if there are no bounces.
     pub errors: Vec<ErrorEstimate>,
-    /// Whether the errors leave room for the target error. Always if there is none.
+    /// Whether the cache error leaves room for the target error. True if there is none.
     pub reaches_target: bool,
 }
 
 /// Bakes the irradiance cache for all frames of a path, called `name`, of these settings, on the threads of the
-/// current pool. With a state of the same scene and settings only what is missing there is added.
+/// current pool. A given state, of the same scene and settings, is extended by what this path lacks.
 ///
-/// Where a target error is set, the cache may take half of it, or all where camera samples have no error. If it
-/// takes more, a finer cache is baked; not so if a state is given, which holds the light of other paths, too.
+/// Of a target error the cache may take up half, or all where camera samples have no error. If it takes up more,
+/// the cache is refined, unless a state is given: that holds the records of other paths, too.
 pub fn bake(
     scene: &Scene,
     path: &CameraPath,
@@ -58,26 +56,21 @@ pub fn bake(
 ) -> Baked {
     let is_given = given.is_some();
     let bounces = settings.integrator.bounces();
-    let new = |fineness| BakeState::new(scene, bounces, settings.seed, fineness);
+    let new = |refinement_level| BakeState::new(scene, bounces, settings.seed, refinement_level);
     let mut state = given.unwrap_or_else(|| new(0));
     loop {
         if !state.covers(name) {
-            state.extend(
-                scene,
-                path,
-                name,
-                (settings.width, settings.height),
-                listener,
-            );
+            let size = (settings.width, settings.height);
+            state.add_path(scene, path, name, size, listener);
         }
-        listener(0.97, "error of the light");
-        let cache = state.illumination();
+        listener(0.97, "cache error");
+        let cache = state.irradiance_cache();
         let errors = match state.errors(name, settings.display_white) {
             Some(errors) => errors.to_vec(),
             None => {
                 let errors = cache_errors(scene, path, settings, &cache)
                     .expect("the cache is of the settings' bounces");
-                state.learn(name, settings.display_white, &errors);
+                state.set_errors(name, settings.display_white, &errors);
                 errors
             }
         };
@@ -89,7 +82,7 @@ pub fn bake(
             let is_low = |error: &ErrorEstimate| error.interval()[1] <= fraction * target;
             errors.iter().all(is_low)
         });
-        if reaches_target || is_given || state.fineness() == BakeState::FINEST {
+        if reaches_target || is_given || state.refinement_level() == BakeState::MAX_REFINEMENT {
             return Baked {
                 state,
                 cache,
@@ -97,6 +90,6 @@ pub fn bake(
                 reaches_target,
             };
         }
-        state = new(state.fineness() + 1);
+        state = new(state.refinement_level() + 1);
     }
 }

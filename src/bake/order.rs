@@ -1,6 +1,8 @@
-/// The numbers below `count`, in an order of which every beginning is spread over all of them: that of their
-/// mirrored bits (van der Corput 1935).
-pub(super) fn spread(count: u32) -> impl Iterator<Item = u32> {
+//! The van der Corput order, in which every prefix is spread over the whole (van der Corput 1935,
+//! "Verteilungsfunktionen").
+
+/// The numbers below `count` by the radical inverse of their index in base 2: every prefix is spread evenly.
+pub(super) fn van_der_corput_order(count: u32) -> impl Iterator<Item = u32> {
     let bits = count.next_power_of_two().trailing_zeros();
     (0..1_u64 << bits)
         .map(move |i| (i as u32).reverse_bits().unbounded_shr(32 - bits))
@@ -13,8 +15,11 @@ mod tests {
 
     #[test]
     fn every_number_once_and_spread() {
-        assert_eq!(spread(0).count(), 0);
-        assert_eq!(spread(1).collect::<Vec<_>>(), [0]);
-        assert_eq!(spread(6).collect::<Vec<_>>(), [0, 4, 2, 1, 5, 3]);
+        assert_eq!(van_der_corput_order(0).count(), 0);
+        assert_eq!(van_der_corput_order(1).collect::<Vec<_>>(), [0]);
+        assert_eq!(
+            van_der_corput_order(6).collect::<Vec<_>>(),
+            [0, 4, 2, 1, 5, 3]
+        );
     }
 }

@@ -1,4 +1,9 @@
-use super::gather::{Purpose, numbers_of};
+//! Places records where no record covers a surface yet. Radii follow the harmonic mean distance of visible surfaces
+//! (Ward et al. 1988) and are limited by those of neighbours (Krivanek et al. 2006, "Making Radiance and Irradiance
+//! Caching Practical: Adaptive Caching and Neighbor Clamping"; also Krivanek and Gautron 2009, "Practical Global
+//! Illumination with Irradiance Caching").
+
+use super::gather::{Purpose, sequence_of};
 use crate::accel::Traversal;
 use crate::irradiance_cache::{IrradianceRecord, IrradianceRecords, OccluderPlanes};
 use crate::material::Only;
@@ -8,72 +13,74 @@ use crate::scene::{Scene, SurfacePoint};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// No more places are chosen: some gigabytes. What they do not cover is gathered for in each frame.
-const MOST: usize = 1 << 21;
+/// The largest number of records, which limits memory to some gigabytes. Surfaces that they do not cover are
+/// gathered for in each frame.
+const MAX_RECORDS: usize = 1 << 21;
 
-/// How close places lie.
+/// How densely records are placed.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct Density {
-    /// The radius, as a share of the harmonic mean distance of what a place sees: light changes in
-    /// proportion to its inverse (Ward et al. 1988).
-    pub(super) radius: f32,
-    /// Every point is this share of a radius, at most, from the middle of a place.
-    pub(super) spacing: f32,
-    /// The angle between normals, in radians, that counts as the radius.
-    pub(super) angle: f32,
-    /// How many rays look around.
-    pub(super) probes: u32,
+pub(super) struct Spacing {
+    /// The radius of a record relative to the harmonic mean distance of the surfaces around it: irradiance
+    /// changes in proportion to the inverse of that (Ward et al. 1988).
+    pub(super) relative_radius: f32,
+    /// The largest distance of a surface point from the nearest record, relative to the radius of the record.
+    pub(super) max_distance: f32,
+    /// The angle between normals, in radians, up to which a record is valid.
+    pub(super) max_angle: f32,
+    /// Rays per hemisphere probe.
+    pub(super) probe_rays: u32,
 }
 
-/// A point that should be near a place.
+/// A surface point that a record should cover.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
     pub(super) point: SurfacePoint,
-    /// Its place, if it gets one, is no smaller.
-    pub(super) least_radius: f32,
+    /// The smallest radius of a record here, in metres.
+    pub(super) min_radius: f32,
 }
 
-/// IrradianceRecords that are being chosen.
+/// Records as they are placed.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Placement {
-    density: Density,
+    spacing: Spacing,
     seed: u32,
-    pub(super) places: IrradianceRecords,
-    /// The points in the middles of the places.
+    pub(super) records: IrradianceRecords,
+    /// The surface point of each record.
     pub(super) points: Vec<SurfacePoint>,
-    /// The harmonic mean distance of what each of them sees.
+    /// The harmonic mean distance of the surfaces around each record, in metres.
     distances: Vec<f32>,
 }
 
-/// What a point sees.
+/// The surfaces around a point, found by rays over the hemisphere.
 struct Probe {
+    /// Harmonic mean of their distances, in metres.
     harmonic_mean: f32,
-    /// Points and their distances, the nearest first.
+    /// Hit points and their distances, nearest first.
     hits: Vec<(SurfacePoint, f32)>,
 }
 
 impl Placement {
-    /// No places yet.
-    pub(super) fn new(scene: &Scene, density: Density, seed: u32) -> Placement {
+    /// Without records.
+    pub(super) fn new(scene: &Scene, spacing: Spacing, seed: u32) -> Placement {
         Placement {
-            density,
+            spacing,
             seed,
-            places: IrradianceRecords::new(scene.bounds(), density.angle),
+            records: IrradianceRecords::new(scene.bounds(), spacing.max_angle),
             points: Vec::new(),
             distances: Vec::new(),
         }
     }
 
-    /// The median distance of what places see; none if there are none.
-    pub(super) fn usual_distance(&self) -> Option<f32> {
+    /// The median over the records of the harmonic mean distance; none without records.
+    pub(super) fn median_distance(&self) -> Option<f32> {
         let mut distances = self.distances.clone();
         distances.sort_by(f32::total_cmp);
         distances.get(distances.len() / 2).copied()
     }
 
-    /// The radius of the smallest place; 0 if there are none.
-    pub(super) fn least_radius(&self) -> f32 {
-        let radii = (0..self.places.len()).map(|number| self.places[number].radius);
+    /// The smallest radius of a record; 0 without records.
+    pub(super) fn min_radius(&self) -> f32 {
+        let radii = (0..self.records.len()).map(|number| self.records[number].radius);
         radii.reduce(f32::min).unwrap_or(0.0)
     }
 
@@ -83,8 +90,8 @@ impl Placement {
             shading_normal,
             ..
         } = candidate.point;
-        self.places
-            .cover(position, shading_normal, self.density.spacing)
+        self.records
+            .cover(position, shading_normal, self.spacing.max_distance)
     }
 
     fn uncovered(&self, candidates: &[Candidate]) -> Vec<Candidate> {
@@ -95,15 +102,16 @@ impl Placement {
             .collect()
     }
 
-    /// Adds places until all candidates are covered, in their order. Returns what the new places see.
+    /// Adds records, in the order of the candidates, until all candidates are covered. Returns candidates for
+    /// secondary records: surfaces around the new records.
     ///
-    /// Candidates are looked at in groups: many at once, and yet few that are covered by another one of
-    /// their group, for which the work is in vain.
+    /// Candidates are probed in groups: large enough for all threads, and small enough that few of a group are
+    /// covered by another record of it, which wastes their probe.
     pub(super) fn cover(&mut self, scene: &Scene, candidates: &[Candidate]) -> Vec<Candidate> {
         let mut hits = Vec::new();
         let uncovered = self.uncovered(candidates);
         let mut rest = &uncovered[..];
-        while !rest.is_empty() && self.points.len() < MOST {
+        while !rest.is_empty() && self.points.len() < MAX_RECORDS {
             let count = (self.points.len() / 4).clamp(16, 512).min(rest.len());
             let (next, later) = rest.split_at(count);
             let group = self.uncovered(next);
@@ -120,53 +128,54 @@ impl Placement {
         hits
     }
 
-    /// Adds a place.
+    /// Adds a record.
     ///
-    /// It reaches no farther than the nearest thing that it sees, or at least not behind it; and as the distance of things changes from
-    /// place to place by no more than what lies between them, neighbours tell each other of things that
-    /// their own rays have missed (Krivanek et al. 2006, "Making Radiance and Irradiance Caching Practical:
-    /// Adaptive Caching and Neighbor Clamping").
+    /// Its radius is limited by the nearest surface seen. As the distance of a surface changes from point to point
+    /// by no more than the distance of the points, it is also limited by the radii of neighbours, and theirs by it:
+    /// so surfaces that some probes miss are found by others (neighbour clamping, Krivanek et al. 2006).
     fn push(&mut self, candidate: &Candidate, probe: &Probe) {
-        let share = self.density.radius;
+        let relative_radius = self.spacing.relative_radius;
         let SurfacePoint {
             position,
             shading_normal,
             ..
         } = candidate.point;
-        let mut around = Vec::new();
-        self.places
+        let mut neighbours = Vec::new();
+        self.records
             .visit(position, shading_normal, 1.0, |number, _| {
-                around.push((number, (self.places[number].position - position).length()));
+                let distance = (self.records[number].position - position).length();
+                neighbours.push((number, distance));
             });
         let nearest = probe.hits.first().map_or(f32::INFINITY, |hit| hit.1);
-        let mut radius = (share * probe.harmonic_mean).min(nearest);
-        for &(number, distance) in &around {
-            radius = radius.min(self.places[number].radius + share * distance);
+        let mut radius = (relative_radius * probe.harmonic_mean).min(nearest);
+        for &(number, distance) in &neighbours {
+            radius = radius.min(self.records[number].radius + relative_radius * distance);
         }
-        let radius = radius.max(candidate.least_radius);
-        for (number, distance) in around {
-            self.places.shrink(number, radius + share * distance);
+        let radius = radius.max(candidate.min_radius);
+        for (number, distance) in neighbours {
+            self.records
+                .shrink(number, radius + relative_radius * distance);
         }
-        self.places.push(IrradianceRecord {
+        self.records.push(IrradianceRecord {
             position,
             normal: shading_normal,
             radius,
-            walls: probe.walls(&candidate.point, radius),
+            occluders: probe.occluders(&candidate.point, radius),
         });
         self.points.push(candidate.point);
         self.distances.push(probe.harmonic_mean);
     }
 
-    /// Looks around, evenly: what is near the horizon matters, too.
+    /// Probes the hemisphere with uniform directions, not cosine-weighted: surfaces near the horizon matter, too.
     fn probe(&self, scene: &Scene, point: &SurfacePoint) -> Probe {
-        let numbers = numbers_of(point, self.seed, Purpose::Probes, 0);
+        let sequence = sequence_of(point, self.seed, Purpose::Probe, 0);
         let ray = |index| {
-            let [u, v] = numbers.sample_2d(index, 0);
+            let [u, v] = sequence.sample_2d(index, 0);
             let direction = uniform_sphere(u, v);
             let is_above = direction.dot(point.geometric_normal) >= 0.0;
             point.spawn_ray(if is_above { direction } else { -direction })
         };
-        let rays: Vec<Ray> = (0..self.density.probes).map(ray).collect();
+        let rays: Vec<Ray> = (0..self.spacing.probe_rays).map(ray).collect();
         let mut hits = vec![None; rays.len()];
         let traversal = &mut Traversal::default();
         scene.closest_incoherent(&rays, &mut hits, traversal);
@@ -175,8 +184,8 @@ impl Placement {
             .filter_map(|(ray, hit)| Some((ray, hit.as_ref()?)))
             .collect();
         let inverses: f64 = seen.iter().map(|(_, hit)| 1.0 / hit.t).sum();
-        let harmonic_mean = f64::from(self.density.probes) / inverses;
-        // Under an open sky light changes as slowly as can be.
+        let harmonic_mean = f64::from(self.spacing.probe_rays) / inverses;
+        // Infinite if all rays leave the scene.
         let size = scene.bounds().extent().max_element();
         let hits = seen.iter().map(|(ray, hit)| {
             let point = scene.surface::<Only<0>>(ray, hit).point;
@@ -192,31 +201,32 @@ impl Placement {
 }
 
 impl Probe {
-    /// One in four hits, near and far, is enough to know what secondary rays will see.
+    /// Candidates for secondary records: one in four hits, at all distances, samples well enough what gathered rays
+    /// will hit.
     fn secondary(&self) -> impl Iterator<Item = Candidate> {
         self.hits.iter().step_by(4).map(|(point, _)| Candidate {
             point: *point,
-            least_radius: 0.0,
+            min_radius: 0.0,
         })
     }
 
-    /// What a place of this radius at a point does not reach behind.
-    fn walls(&self, place: &SurfacePoint, radius: f32) -> OccluderPlanes {
-        /// What rays have hit of a wall is mostly nearer elsewhere.
-        const REACH: f32 = 3.0;
-        /// The cosine between normals of walls that rather go on from the surface than stand on it.
-        const ALONG: f32 = 0.8;
-        let mut walls = OccluderPlanes::default();
+    /// The planes of the surfaces that a record of this radius at a point must not reach behind.
+    fn occluders(&self, record: &SurfacePoint, radius: f32) -> OccluderPlanes {
+        /// Hits up to this distance, in radii, count: most parts of a surface are nearer than the hit.
+        const MAX_DISTANCE: f32 = 3.0;
+        /// Surfaces whose normals differ by a smaller angle (its cosine) continue the record's own surface.
+        const MAX_COSINE: f32 = 0.8;
+        let mut occluders = OccluderPlanes::default();
         for (point, distance) in &self.hits {
-            if *distance >= REACH * radius {
+            if *distance >= MAX_DISTANCE * radius {
                 break;
             }
             let normal = point.geometric_normal;
-            let is_near = (place.position - point.position).dot(normal) < radius;
-            if is_near && normal.dot(place.shading_normal) < ALONG {
-                walls.add(point.position, normal, *distance);
+            let is_near = (record.position - point.position).dot(normal) < radius;
+            if is_near && normal.dot(record.shading_normal) < MAX_COSINE {
+                occluders.add(point.position, normal, *distance);
             }
         }
-        walls
+        occluders
     }
 }

@@ -1,4 +1,5 @@
-//! Validation of an irradiance cache: its error in each frame of a path, from pixels that are also path traced.
+//! Validation of an irradiance cache: the cache error of each frame of a path, an unbiased estimate from held-out
+//! pixels that are also path traced.
 
 use crate::camera::CameraPath;
 use crate::integrator::{IntegratorError, IntegratorSettings};
@@ -16,20 +17,20 @@ const PIXELS_PER_HELD_OUT: u64 = 1 << 14;
 const MIN_HELD_OUT: u64 = 1024;
 const MAX_HELD_OUT: u64 = 4096;
 
-/// Held-out pixels that a frame's error is estimated from.
+/// Held-out pixels, in order of frames, that a frame's error is estimated from.
 const WINDOW: usize = 1024;
 
-/// Of each of the two path-traced estimates of a pixel.
+/// Paths of each of the two path-traced estimates of a pixel.
 const PATHS: u32 = 256;
 
-/// Nothing else has this seed.
+/// XORed with the seed, so that held-out pixels share no samples with frames or records.
 const SEED: u32 = 7 << 24;
 
-/// The error of an irradiance cache in each frame of a path, from held-out pixels of this frame and those around it;
-/// empty if there are no bounces. `settings` are those of the frames, `cache` has their bounces.
+/// The cache error of each frame of a path, a relative squared error from held-out pixels of this frame and those
+/// around it; empty if there are no bounces. `settings` are those of the frames, `cache` has their bounces.
 ///
 /// At each held-out pixel the cached light c is compared with two independent path-traced estimates A and B:
-/// (c - A)(c - B) is on average the square of the error, however noisy they are.
+/// the expected value of (c - A)(c - B) is the squared error of c, whatever the noise of A and B.
 pub fn cache_errors(
     scene: &Scene,
     path: &CameraPath,
@@ -65,7 +66,7 @@ pub fn cache_errors(
             let [x, y] = [(u, width), (v, height)].map(|(u, size)| (u * size as f32) as u32);
             (x.min(width - 1), y.min(height - 1))
         };
-        // Number i belongs to frame i * frames / count.
+        // Pixel i belongs to frame i * frames / count.
         let first = |frame: u64| (frame * count).div_ceil(frames);
         let pixels: Vec<(u32, u32)> = (first(frame)..first(frame + 1)).map(pixel).collect();
         let camera = path.camera(frame as u32);

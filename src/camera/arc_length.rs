@@ -1,97 +1,98 @@
-use super::track::Piece;
+//! Arc length of a curve by adaptive Gauss-Legendre quadrature, and its inverse by Newton's method.
+
+use super::track::CurveSegment;
 use super::value::Value;
 
-/// The length along a curve in a flat space, known to [`ArcLength::ACCURACY`].
+/// The arc length of a curve in a vector space, to [`ArcLength::ACCURACY`].
 #[derive(Clone, Debug)]
 pub(super) struct ArcLength {
-    /// Shares of the curve, from 0 to 1, so close that one quadrature is accurate between two of them.
-    shares: Vec<f64>,
-    /// The lengths up to them.
+    /// Curve parameters from 0 to 1, so close that one quadrature is accurate between two of them.
+    parameters: Vec<f64>,
+    /// The arc lengths up to them.
     lengths: Vec<f64>,
 }
 
 impl ArcLength {
-    /// As a share of the curve's length.
+    /// Relative to the length of the curve.
     pub(super) const ACCURACY: f64 = 1e-12;
 
-    /// Parts are not halved more often: shorter ones are below what numbers resolve.
+    /// Limit of the bisection: shorter parts are below double precision.
     const MAX_DEPTH: u32 = 40;
 
-    pub(super) fn of<T: Value>(piece: &Piece<T>) -> ArcLength {
+    pub(super) fn of<T: Value>(segment: &CurveSegment<T>) -> ArcLength {
         let mut measured = ArcLength {
-            shares: vec![0.0],
+            parameters: vec![0.0],
             lengths: vec![0.0],
         };
-        let whole = quadrature(piece, 0.0, 1.0);
-        measured.add(piece, [0.0, 1.0], whole, Self::ACCURACY * whole, 0);
+        let whole = quadrature(segment, 0.0, 1.0);
+        measured.add(segment, [0.0, 1.0], whole, Self::ACCURACY * whole, 0);
         measured
     }
 
-    /// The length of all of the curve.
+    /// The length of the whole curve.
     pub(super) fn total(&self) -> f64 {
         self.lengths[self.lengths.len() - 1]
     }
 
-    /// Measures the part between two shares, which one quadrature says is of `length`, in halves until they agree
-    /// with it.
+    /// Adds the part between two parameters, of `length` by one quadrature, bisected until its halves agree with it.
     fn add<T: Value>(
         &mut self,
-        piece: &Piece<T>,
+        segment: &CurveSegment<T>,
         [start, end]: [f64; 2],
         length: f64,
         tolerance: f64,
         depth: u32,
     ) {
         let middle = 0.5 * (start + end);
-        let first = quadrature(piece, start, middle);
-        let second = quadrature(piece, middle, end);
+        let first = quadrature(segment, start, middle);
+        let second = quadrature(segment, middle, end);
         if (first + second - length).abs() > tolerance && depth < Self::MAX_DEPTH {
-            self.add(piece, [start, middle], first, tolerance, depth + 1);
-            self.add(piece, [middle, end], second, tolerance, depth + 1);
+            self.add(segment, [start, middle], first, tolerance, depth + 1);
+            self.add(segment, [middle, end], second, tolerance, depth + 1);
             return;
         }
-        for (share, part) in [(middle, first), (end, second)] {
+        for (parameter, part) in [(middle, first), (end, second)] {
             self.lengths.push(self.total() + part);
-            self.shares.push(share);
+            self.parameters.push(parameter);
         }
     }
 
-    /// The share of the curve at which so much of its length is passed.
-    pub(super) fn share_at<T: Value>(&self, piece: &Piece<T>, length: f64) -> f64 {
+    /// The curve parameter at an arc length from the start.
+    pub(super) fn parameter_at<T: Value>(&self, segment: &CurveSegment<T>, length: f64) -> f64 {
         let after = self.lengths.partition_point(|&l| l <= length);
         if after == 0 || after == self.lengths.len() {
             return if after == 0 { 0.0 } else { 1.0 };
         }
-        let from = self.shares[after - 1];
+        let from = self.parameters[after - 1];
         let rest = length - self.lengths[after - 1];
-        // Newton's steps, halving the interval where they leave it: beside a cusp the speed is near zero.
-        let (mut low, mut high) = (from, self.shares[after]);
+        // Newton's method, with bisection where a step leaves the interval: near a cusp the speed is near zero.
+        let (mut low, mut high) = (from, self.parameters[after]);
         let part = self.lengths[after] - self.lengths[after - 1];
-        let mut share = from + (high - from) * (rest / part);
+        let mut parameter = from + (high - from) * (rest / part);
         for _ in 0..64 {
-            let excess = quadrature(piece, from, share) - rest;
+            let excess = quadrature(segment, from, parameter) - rest;
             if excess.abs() <= Self::ACCURACY * self.total() {
                 break;
             }
             if excess > 0.0 {
-                high = share;
+                high = parameter;
             } else {
-                low = share;
+                low = parameter;
             }
-            let next = share - excess / piece.speed(share);
-            share = if low < next && next < high {
+            let next = parameter - excess / segment.speed(parameter);
+            parameter = if low < next && next < high {
                 next
             } else {
                 0.5 * (low + high)
             };
         }
-        share
+        parameter
     }
 }
 
-/// The length between two shares by Gauss and Legendre's quadrature with 8 points: exact for speeds that are
-/// polynomials up to degree 15.
-fn quadrature<T: Value>(piece: &Piece<T>, start: f64, end: f64) -> f64 {
+/// The length between two curve parameters by 8-point Gauss-Legendre quadrature, which is exact for polynomials up to
+/// degree 15.
+fn quadrature<T: Value>(segment: &CurveSegment<T>, start: f64, end: f64) -> f64 {
     /// Positive abscissae on -1 to 1, and their weights.
     const POINTS: [[f64; 2]; 4] = [
         [0.183_434_642_495_649_8, 0.362_683_783_378_362],
@@ -101,7 +102,7 @@ fn quadrature<T: Value>(piece: &Piece<T>, start: f64, end: f64) -> f64 {
     ];
     let (middle, half) = (0.5 * (start + end), 0.5 * (end - start));
     let pair = |[x, weight]: [f64; 2]| {
-        weight * (piece.speed(middle - half * x) + piece.speed(middle + half * x))
+        weight * (segment.speed(middle - half * x) + segment.speed(middle + half * x))
     };
     half * POINTS.map(pair).into_iter().sum::<f64>()
 }

@@ -1,3 +1,5 @@
+//! Errors of camera paths.
+
 use thiserror::Error;
 
 /// Why keys do not make a path.

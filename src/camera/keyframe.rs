@@ -1,90 +1,92 @@
+//! Keyframes: where the camera is at a time, how it goes on to the next key, and the timing of the whole path.
+
 use glam::{DQuat, DVec3};
 
-/// Where the camera is at one time, and how it goes on from there.
+/// The camera at one time, and the segment that leads to the next key.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Keyframe {
     /// Seconds.
     pub time: f64,
     /// The eye, in world coordinates.
     pub position: DVec3,
-    /// Where it looks.
+    /// Its orientation.
     pub orientation: Orientation,
     /// Vertical field of view in radians, between 0 and pi.
     pub field_of_view: f64,
-    /// The way to the next key. The last key's is not used.
+    /// The segment to the next key; unused in the last key.
     pub segment: Segment,
 }
 
-/// Where a camera looks.
+/// The orientation of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Orientation {
-    /// At a point in world coordinates, with +Y up and then rolled.
+    /// Towards a point in world coordinates, with +Y up and then rolled.
     LookAt {
         /// The point.
         target: DVec3,
-        /// A turn about the camera's backward axis in radians, counter-clockwise as the camera's
-        /// picture is seen from behind the camera: the picture turns clockwise.
+        /// Rotation about the camera's backward axis in radians, counter-clockwise seen from behind the camera;
+        /// the picture turns clockwise.
         roll: f64,
     },
-    /// Camera to world, a unit quaternion; without rotation the camera looks along -Z with +Y up.
+    /// Camera to world, a unit quaternion; the identity looks along -Z with +Y up.
     Rotation(DQuat),
-    /// Turns in radians about the world's +Y, then the camera's right, then its backward axis, each
-    /// counter-clockwise seen from the axis' tip: to the left, up, and tipped to the left.
-    /// Angles beyond a whole turn count: from 0 to 2 pi is once around.
+    /// Yaw about the world's +Y, then pitch about the camera's right, then roll about its backward axis, in radians,
+    /// each counter-clockwise seen from the tip of the axis: to the left, up, and tilted to the left. Whole turns
+    /// count: from 0 to 2 pi the camera turns once around.
     YawPitchRoll(DVec3),
 }
 
-/// The way from a key to the next, whose derivatives are given by `D`.
+/// How a path leads from a key to the next; `D` is the type of the tangents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment<D = DVec3> {
-    /// What it looks like.
-    pub shape: Shape<D>,
+    /// The curve between the keys.
+    pub interpolation: Interpolation<D>,
     /// Whether the camera starts from rest.
     pub ease_in: bool,
     /// Whether the camera comes to rest at its end.
     pub ease_out: bool,
 }
 
-/// What the way from a key to the next looks like.
+/// The curve from a key to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape<D = DVec3> {
-    /// There is none: the camera stays, and is at the next key at its time.
+pub enum Interpolation<D = DVec3> {
+    /// A step: the camera stays, and jumps to the next key at its time.
     Hold,
-    /// Straight, at an even pace.
+    /// A straight line at constant speed.
     Linear,
-    /// A smooth curve without stops.
+    /// A centripetal Catmull-Rom spline.
     CatmullRom,
-    /// The position goes along a cubic with given derivatives by the share of the way, at its start
-    /// and its end, at a pace that is even in that share; all else goes as with `CatmullRom`.
-    Cubic(D, D),
+    /// A cubic Hermite curve of the position with given tangents at its start and its end: derivatives by the curve
+    /// parameter, which runs from 0 to 1 at a constant rate. All other properties use `CatmullRom`.
+    Hermite(D, D),
 }
 
-/// How all of a path is walked.
+/// The timing of a whole path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pace {
-    /// What decides when the camera passes the keys between the first and the last.
+pub struct PathTiming {
+    /// How the times of the keys between the first and the last are chosen.
     pub speed: Speed,
-    /// Whether the path ends where it starts, at its last key, and goes on there without a seam.
+    /// Whether the last key repeats the first one and the path loops without a seam.
     pub closed: bool,
-    /// In so many seconds the camera gets from rest to its speed, evenly; 0 for at once.
+    /// Seconds in which the camera accelerates from rest at the start; 0 for none.
     pub ease_in: f64,
-    /// In so many seconds it comes to rest at the end.
+    /// Seconds in which it decelerates to rest at the end; 0 for none.
     pub ease_out: f64,
 }
 
-/// What decides when the camera passes a key.
+/// How the time of a key is chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Speed {
     /// The key's time.
     ByKeys,
-    /// Its place on the way: the camera moves at one speed wherever it moves, from the first key's
-    /// time to the last key's. Where it stands it stands for as long as the keys say.
+    /// Proportional to the arc length up to it: the camera moves at constant speed from the first key's time to the
+    /// last key's. Segments without motion keep the duration that their keys give.
     Constant,
 }
 
-impl Pace {
+impl PathTiming {
     /// Every key at its time, from the first to the last.
-    pub const BY_KEYS: Pace = Pace {
+    pub const BY_KEYS: PathTiming = PathTiming {
         speed: Speed::ByKeys,
         closed: false,
         ease_in: 0.0,
@@ -93,22 +95,22 @@ impl Pace {
 }
 
 impl Segment {
-    /// A segment of this shape that does not stop at its keys.
-    pub fn of(shape: Shape) -> Segment {
+    /// A segment without easing.
+    pub fn of(interpolation: Interpolation) -> Segment {
         Segment {
-            shape,
+            interpolation,
             ease_in: false,
             ease_out: false,
         }
     }
 
-    /// How all but the position goes: derivatives are given of that alone.
+    /// The segment of all other properties: tangents are given for the position alone.
     pub(super) fn beside_position<D>(&self) -> Segment<D> {
         Segment {
-            shape: match self.shape {
-                Shape::Hold => Shape::Hold,
-                Shape::Linear => Shape::Linear,
-                Shape::CatmullRom | Shape::Cubic(..) => Shape::CatmullRom,
+            interpolation: match self.interpolation {
+                Interpolation::Hold => Interpolation::Hold,
+                Interpolation::Linear => Interpolation::Linear,
+                Interpolation::CatmullRom | Interpolation::Hermite(..) => Interpolation::CatmullRom,
             },
             ease_in: self.ease_in,
             ease_out: self.ease_out,

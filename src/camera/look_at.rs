@@ -1,21 +1,28 @@
+//! The camera that looks at a point with +Y up, and where that is undefined.
+
 use super::Camera;
 use super::error::PathError;
 use super::rotation::upright;
 use glam::{DMat3, DVec3};
 
-/// Nearer to the vertical than this, the right direction would be made of rounding errors.
+/// Sine of the angle to the vertical below which the right direction is rounding error.
 const SMALLEST_SINE: f64 = 1e-7;
 
-/// How a camera looks at a point with +Y up, before it is rolled.
-pub(super) struct Look {
+/// The orientation of a camera that looks at a point with +Y up, before roll.
+pub(super) struct LookAt {
     /// From the point to the eye.
     offset: DVec3,
     pub(super) rotation: DMat3,
 }
 
-impl Look {
-    /// From `eye` to `target`. An error is about this frame and time.
-    pub(super) fn new(eye: DVec3, target: DVec3, frame: u32, time: f64) -> Result<Look, PathError> {
+impl LookAt {
+    /// From `eye` to `target`. An error names `frame` and `time`.
+    pub(super) fn new(
+        eye: DVec3,
+        target: DVec3,
+        frame: u32,
+        time: f64,
+    ) -> Result<LookAt, PathError> {
         let offset = eye - target;
         let Some(backward) = offset.try_normalize() else {
             return Err(PathError::LooksAtItself { frame, time });
@@ -24,22 +31,28 @@ impl Look {
             return Err(PathError::LooksVertically { frame, time });
         }
         let rotation = upright(backward, DVec3::Y);
-        Ok(Look { offset, rotation })
+        Ok(LookAt { offset, rotation })
     }
 
-    /// Refuses a camera that since the frame before has passed through its point, or so straight over it that its picture
-    /// is turned upside down while it hardly looks elsewhere.
-    pub(super) fn check_from(&self, before: &Look, frame: u32, time: f64) -> Result<(), PathError> {
-        const HARDLY: f64 = 0.5;
+    /// Refuses a camera that has passed its point since the frame before: through it, or so closely over or under it
+    /// that the picture flips while the view direction hardly changes.
+    pub(super) fn check_from(
+        &self,
+        before: &LookAt,
+        frame: u32,
+        time: f64,
+    ) -> Result<(), PathError> {
+        /// Cosine of the change of the view direction below which it is no flip.
+        const LEAST_COSINE: f64 = 0.5;
         let turned = before.rotation.z_axis.dot(self.rotation.z_axis);
-        if before.rotation.x_axis.dot(self.rotation.x_axis) < 0.0 && turned > HARDLY {
+        if before.rotation.x_axis.dot(self.rotation.x_axis) < 0.0 && turned > LEAST_COSINE {
             return Err(PathError::Flips { frame, time });
         }
-        // Nearer than this share of the way between two frames is through.
+        /// Distance to the point, relative to the step between the frames, that counts as through it.
         const THROUGH: f64 = 1e-3;
-        let way = self.offset - before.offset;
-        let nearest = self.offset.cross(before.offset).length() / way.length();
-        match turned < 0.0 && nearest < THROUGH * way.length() {
+        let step = self.offset - before.offset;
+        let nearest = self.offset.cross(before.offset).length() / step.length();
+        match turned < 0.0 && nearest < THROUGH * step.length() {
             true => Err(PathError::LooksAtItself { frame, time }),
             false => Ok(()),
         }
@@ -47,12 +60,12 @@ impl Look {
 }
 
 impl Camera {
-    /// One at `eye` that looks at `target` with +Y up, its vertical field of view in radians. Refuses to look
-    /// straight up or down, or at itself.
+    /// A camera at `eye` that looks at `target` with +Y up; the vertical field of view in radians. An error if
+    /// `target` is `eye` or vertically above or below it.
     pub fn look_at(eye: DVec3, target: DVec3, field_of_view: f64) -> Result<Camera, PathError> {
         Ok(Camera {
             position: eye,
-            rotation: Look::new(eye, target, 0, 0.0)?.rotation,
+            rotation: LookAt::new(eye, target, 0, 0.0)?.rotation,
             half_height: libm::tan(0.5 * field_of_view),
         })
     }

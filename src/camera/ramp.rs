@@ -1,10 +1,12 @@
-/// How a path gets up to its speed and comes to rest: the share of the way that is done at a share of the time.
-/// The speed rises evenly, stays, and falls evenly.
+//! The speed ramp of a whole path: `ease_in` and `ease_out`.
+
+/// Maps a fraction of the time to the fraction of the path that is done: the speed rises linearly, stays, and falls
+/// linearly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ramp {
-    /// The share of the time in which it rises.
+    /// The fraction of the time in which the speed rises.
     rise: f64,
-    /// The share in which it falls; both together at most 1.
+    /// The fraction in which it falls; both together at most 1.
     fall: f64,
 }
 
@@ -20,13 +22,13 @@ impl Ramp {
         self.rise == 0.0 && self.fall == 0.0
     }
 
-    /// The speed between rise and fall; 1 is the whole way in the whole time.
+    /// The speed between rise and fall; 1 is the whole path in the whole time.
     fn top_speed(self) -> f64 {
         1.0 / (1.0 - 0.5 * (self.rise + self.fall))
     }
 
-    /// The share of the way done at `time`, from 0 at 0 to 1 at 1.
-    pub(super) fn way(self, time: f64) -> f64 {
+    /// The fraction of the path that is done at `time`, from 0 at 0 to 1 at 1.
+    pub(super) fn ease(self, time: f64) -> f64 {
         let speed = self.top_speed();
         if time < self.rise {
             0.5 * speed * time * time / self.rise
@@ -38,16 +40,16 @@ impl Ramp {
         }
     }
 
-    /// When a share of the way is done: what [`Ramp::way`] undoes.
-    pub(super) fn time(self, way: f64) -> f64 {
+    /// The inverse of [`Ramp::ease`]: when a fraction of the path is done.
+    pub(super) fn inverse(self, progress: f64) -> f64 {
         let speed = self.top_speed();
-        let left = 1.0 - way;
-        if way < 0.5 * speed * self.rise {
-            (2.0 * way * self.rise / speed).sqrt()
+        let left = 1.0 - progress;
+        if progress < 0.5 * speed * self.rise {
+            (2.0 * progress * self.rise / speed).sqrt()
         } else if left < 0.5 * speed * self.fall {
             1.0 - (2.0 * left * self.fall / speed).sqrt()
         } else {
-            way / speed + 0.5 * self.rise
+            progress / speed + 0.5 * self.rise
         }
     }
 }
@@ -68,9 +70,9 @@ mod tests {
             (1.0 / 3.0, 0.2 / 0.3),
         ] {
             let ramp = Ramp::new(rise, fall);
-            assert_eq!((ramp.way(0.0), ramp.way(1.0)), (0.0, 1.0));
+            assert_eq!((ramp.ease(0.0), ramp.ease(1.0)), (0.0, 1.0));
             let h = 1e-6;
-            let speed = |time: f64| (ramp.way(time + h) - ramp.way(time - h)) / (2.0 * h);
+            let speed = |time: f64| (ramp.ease(time + h) - ramp.ease(time - h)) / (2.0 * h);
             for i in 1..1000 {
                 let time = f64::from(i) / 1000.0;
                 let expected = ramp.top_speed()
@@ -83,7 +85,7 @@ mod tests {
                     (speed(time) - expected).abs() < 1e-5,
                     "{rise} {fall} {time}"
                 );
-                assert!((ramp.time(ramp.way(time)) - time).abs() < 1e-12);
+                assert!((ramp.inverse(ramp.ease(time)) - time).abs() < 1e-12);
             }
         }
     }

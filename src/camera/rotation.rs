@@ -1,21 +1,23 @@
-//! Rotations and the vectors along their axes. With functions that are the same on every machine.
+//! Exponential and logarithmic maps of rotations, and the rotations of cameras. Uses libm, which gives the same bits on
+//! every machine.
 
 use glam::{DMat3, DQuat, DVec3};
 
-/// The unit quaternion of a rotation about `vector` by its length, in radians.
+/// The exponential map: the unit quaternion of a rotation about `vector` by its length, in radians.
 pub(super) fn exp(vector: DVec3) -> DQuat {
     let angle = vector.length();
-    // sin(x) / x is 1 there to the last bit.
-    let share = if angle < 1e-9 {
+    // sin(x) / x rounds to 1 there.
+    let scale = if angle < 1e-9 {
         0.5
     } else {
         libm::sin(0.5 * angle) / angle
     };
-    let DVec3 { x, y, z } = vector * share;
+    let DVec3 { x, y, z } = vector * scale;
     DQuat::from_xyzw(x, y, z, libm::cos(0.5 * angle))
 }
 
-/// The vector of a rotation, of at most half a turn: what [`exp`] undoes. The quaternion may have either sign.
+/// The logarithmic map, the inverse of [`exp`]: the rotation vector, at most pi long. The quaternion may have either
+/// sign.
 pub(super) fn log(rotation: DQuat) -> DVec3 {
     let rotation = if rotation.w < 0.0 {
         -rotation
@@ -30,8 +32,7 @@ pub(super) fn log(rotation: DQuat) -> DVec3 {
     axis * (2.0 * libm::atan2(sine, rotation.w) / sine)
 }
 
-/// The rotation of a camera that looks against `backward`, of unit length, with `up` as near to up in its picture as
-/// it can be.
+/// The rotation of a camera that looks along `-backward`, a unit vector, with `up` made perpendicular to it.
 pub(super) fn upright(backward: DVec3, up: DVec3) -> DMat3 {
     let right = up.cross(backward).normalize();
     DMat3::from_cols(right, backward.cross(right), backward)
@@ -45,7 +46,7 @@ pub(super) fn yaw_pitch_roll(angles: DVec3) -> DMat3 {
     DMat3::from_quat(rotation)
 }
 
-/// A turn about the backward axis.
+/// The rotation about the backward axis, in radians.
 pub(super) fn roll(angle: f64) -> DMat3 {
     DMat3::from_quat(exp(DVec3::Z * angle))
 }

@@ -1,9 +1,10 @@
-/// Frames and the times they show.
+//! Frames and their times.
+
+/// The frames of a path and their times.
 ///
-/// The first frame is the first key's, the last frame the last key's; those between are equally
-/// spaced. A duration that is not a whole number of frames is thereby stretched to the nearest one
-/// in the video, by less than half a frame. A closed path ends one frame before its last key, which
-/// is its first frame again.
+/// The first frame shows the first key, the last frame the last key; those between are equally spaced. A duration that
+/// is not a whole number of frames is stretched to the nearest one, by at most half a frame. A closed path ends one
+/// frame before its last key, which is its first frame again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timeline {
     /// Frames per second of the video.
@@ -17,7 +18,7 @@ pub struct Timeline {
 }
 
 impl Timeline {
-    /// Of frames at whole numbers of frames after `start`, as many as there are up to `end` or half a frame after.
+    /// The timeline from `start` whose duration is that to `end`, rounded to whole frames.
     pub fn of_whole_frames(fps: f64, start: f64, end: f64) -> Timeline {
         let steps = ((end - start) * fps).round();
         Timeline {
@@ -36,12 +37,12 @@ impl Timeline {
         }
     }
 
-    /// How many frames the last key is after the first.
+    /// Frames from the first key to the last.
     fn steps(&self) -> u32 {
         ((self.end - self.start) * self.fps).round() as u32
     }
 
-    /// The frames in the middles of so many equal parts of the path, at least 1; all of them if there are no more.
+    /// Evenly spread frames: the middles of `parts` equal parts of the path, at least 1; all frames if there are fewer.
     pub fn spread(&self, parts: u32) -> Vec<u32> {
         let count = self.frame_count();
         let parts = parts.min(count);
@@ -58,10 +59,10 @@ impl Timeline {
             return if frame == 0 { self.start } else { self.end };
         }
         let duration = self.end - self.start;
-        // Decimals of keys are rounded.
-        const NEARLY: f64 = 1e-9;
-        if (duration * self.fps - f64::from(steps)).abs() <= NEARLY * f64::from(steps) {
-            // Nothing is stretched: to the last bit the same whatever is added at the end.
+        /// Relative rounding of durations that are whole numbers of frames.
+        const ROUNDING: f64 = 1e-9;
+        if (duration * self.fps - f64::from(steps)).abs() <= ROUNDING * f64::from(steps) {
+            // Without stretching, times do not depend on the end: frames stay bit-equal if keys are appended.
             return self.start + f64::from(frame) / self.fps;
         }
         self.start + duration * (f64::from(frame) / f64::from(steps))

@@ -1,39 +1,57 @@
-use super::keyframe::{Segment, Shape};
+//! Interpolation of a value from key to key: centripetal Catmull-Rom curves (Yuksel, Schaefer and Keyser 2011) with
+//! monotone timing (Fritsch and Butland 1984), beside linear, cubic Hermite and held segments.
+
+use super::keyframe::{Interpolation, Segment};
 use super::value::{Value, weights};
 
-/// A value that changes from key to key: in each segment a cubic curve, and the pace at which it is walked.
+/// A value that changes from key to key: each segment is a cubic curve and a cubic timing along it.
 ///
-/// Smooth segments are centripetal Catmull-Rom curves (Yuksel, Schaefer and Keyser 2011), which have no cusp or
-/// loop, at a pace that rises monotonely (Fritsch and Butland 1984). Both together never move backward along the
-/// line between two keys: at a key the curve goes between the directions of the lines before and behind, and no
-/// faster than three times the way to either key by the share of the segment, as monotone cubics may.
+/// Smooth segments are centripetal Catmull-Rom curves, which have no cusp or loop, with a monotone timing. Both
+/// together never move backward along the chord between two keys: at a key the tangent lies between the directions
+/// of the two chords, and its length is at most three times the chord, which keeps the cubic monotone.
 ///
-/// Where smooth segments meet, the derivative by time is continuous. Beside a segment that is given, a smooth one
-/// takes over its direction and its speed as far as it can without moving backward.
+/// Where smooth segments meet, the derivative by time is continuous. Beside a segment whose tangents are given, a
+/// smooth one takes over the direction and the speed as far as it can without moving backward.
 #[derive(Clone, Debug)]
 pub(super) struct Track<T: Value> {
     keys: Vec<T>,
-    pieces: Vec<Piece<T>>,
+    segments: Vec<CurveSegment<T>>,
 }
 
-/// A segment, from its key on.
+/// The curve from a key to the next.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece<T: Value> {
+pub(super) struct CurveSegment<T: Value> {
     start: T,
     step: T::Step,
-    /// Derivatives by the share of the curve at its ends.
+    /// Derivatives by the curve parameter, from 0 to 1, at its ends.
     derivatives: [T::Step; 2],
-    /// Derivatives of the share of the curve by the share of the segment's time at its ends.
+    /// Derivatives of the curve parameter by the fraction of the segment's time at its ends.
     rates: [f64; 2],
 }
 
-/// A segment between its keys, before its curve is known.
-struct Span<T: Value> {
+/// What the curve of a segment is made from.
+struct SegmentInput<T: Value> {
     segment: Segment<T::Step>,
     step: T::Step,
-    /// The square root of its length: what a smooth curve's parameter rises by.
+    /// The centripetal knot interval: the square root of the length of the chord.
     knot: f64,
     seconds: f64,
+}
+
+/// Times and segments that all tracks of a path share.
+pub(super) struct TrackInput<'a> {
+    pub(super) times: &'a [f64],
+    pub(super) segments: &'a [Segment],
+    pub(super) closed: bool,
+}
+
+impl TrackInput<'_> {
+    /// A track of any value but the position through the values of the keys.
+    pub(super) fn through<T: Value>(&self, keys: impl Iterator<Item = T>) -> Track<T> {
+        let segments: Vec<Segment<T::Step>> =
+            self.segments.iter().map(Segment::beside_position).collect();
+        Track::new(self.times, keys.collect(), &segments, self.closed)
+    }
 }
 
 impl<T: Value> Track<T> {
@@ -46,11 +64,11 @@ impl<T: Value> Track<T> {
         closed: bool,
     ) -> Track<T> {
         let ends = times.windows(2).zip(keys.windows(2));
-        let spans: Vec<Span<T>> = ends
+        let inputs: Vec<SegmentInput<T>> = ends
             .zip(segments)
             .map(|((time, key), &segment)| {
                 let step = key[0].step_to(key[1]);
-                Span {
+                SegmentInput {
                     segment,
                     step,
                     knot: T::length(step).sqrt(),
@@ -58,62 +76,61 @@ impl<T: Value> Track<T> {
                 }
             })
             .collect();
-        let last = spans.len().wrapping_sub(1);
-        let piece = |(i, span): (usize, &Span<T>)| {
+        let last = inputs.len().wrapping_sub(1);
+        let segment = |(i, input): (usize, &SegmentInput<T>)| {
             let before = match i {
-                0 => closed.then(|| &spans[last]),
-                _ => Some(&spans[i - 1]),
+                0 => closed.then(|| &inputs[last]),
+                _ => Some(&inputs[i - 1]),
             };
             let after = match i == last {
-                true => closed.then(|| &spans[0]),
-                false => Some(&spans[i + 1]),
+                true => closed.then(|| &inputs[0]),
+                false => Some(&inputs[i + 1]),
             };
-            Piece::new(keys[i], before, span, after)
+            CurveSegment::new(keys[i], before, input, after)
         };
-        let pieces = spans.iter().enumerate().map(piece).collect();
-        Track { keys, pieces }
+        let segments = inputs.iter().enumerate().map(segment).collect();
+        Track { keys, segments }
     }
 
-    /// The value at a place among the keys.
-    pub(super) fn at(&self, place: Place) -> T {
-        match place {
-            Place::Key(key) => self.keys[key],
-            Place::Between(i, share) => self.pieces[i].at(share),
+    /// The value at a parameter of the track.
+    pub(super) fn at(&self, parameter: CurveParameter) -> T {
+        match parameter {
+            CurveParameter::AtKey(key) => self.keys[key],
+            CurveParameter::InSegment(i, fraction) => self.segments[i].at(fraction),
         }
     }
 
-    /// Its segments.
-    pub(super) fn pieces(&self) -> &[Piece<T>] {
-        &self.pieces
+    /// Its segments, one between each two keys.
+    pub(super) fn segments(&self) -> &[CurveSegment<T>] {
+        &self.segments
     }
 }
 
-impl<T: Value> Span<T> {
-    /// The derivative by the curve's share that it has at one of its ends, whatever is beside it; none if that
-    /// depends.
+impl<T: Value> SegmentInput<T> {
+    /// The derivative by the curve parameter at one of its ends; none if it depends on the neighbour.
     fn derivative(&self, end: usize) -> Option<T::Step> {
-        match self.segment.shape {
-            Shape::Hold => Some(self.step * 0.0),
-            Shape::Linear => Some(self.step),
-            Shape::Cubic(start, arrival) => Some([start, arrival][end]),
-            Shape::CatmullRom => None,
+        match self.segment.interpolation {
+            Interpolation::Hold => Some(self.step * 0.0),
+            Interpolation::Linear => Some(self.step),
+            Interpolation::Hermite(start, arrival) => Some([start, arrival][end]),
+            Interpolation::CatmullRom => None,
         }
     }
 
-    /// The direction of a smooth curve at an end, as a derivative by its knots.
-    fn tangent(&self, end: usize, beside: Option<&Span<T>>) -> T::Step {
-        let none = self.step * 0.0;
+    /// The tangent of a smooth curve at an end, as a derivative by its knots.
+    fn tangent(&self, end: usize, beside: Option<&SegmentInput<T>>) -> T::Step {
+        let zero = self.step * 0.0;
         let along = if self.knot > 0.0 {
             self.step * (1.0 / self.knot)
         } else {
-            none
+            zero
         };
         let Some(beside) = beside.filter(|beside| !beside.is_still()) else {
             return along;
         };
         match beside.derivative(1 - end) {
-            // Of the parabola through the key and its neighbours, which is what Catmull and Rom's construction
-            // gives for uneven knots.
+            // The derivative of the parabola through the key and its neighbours, which is Catmull and Rom's
+            // construction for uneven knots.
             None => {
                 let (a, b) = (self.knot, beside.knot);
                 (beside.step * (a / b) + self.step * (b / a)) * (1.0 / (a + b))
@@ -121,17 +138,18 @@ impl<T: Value> Span<T> {
             Some(given) => {
                 let length = T::length(given);
                 if T::dot(given, self.step) <= 0.0 {
-                    return none;
+                    return zero;
                 }
                 given * (self.knot / length)
             }
         }
     }
 
-    /// How fast a smooth curve's knots are passed at an end, per second.
-    fn rate(&self, end: usize, tangent: T::Step, beside: Option<&Span<T>>) -> f64 {
+    /// The derivative of a smooth curve's knots by time at an end, per second.
+    fn rate(&self, end: usize, tangent: T::Step, beside: Option<&SegmentInput<T>>) -> f64 {
         let own = self.knot / self.seconds;
-        let Some(beside) = beside.filter(|beside| !matches!(beside.segment.shape, Shape::Hold))
+        let Some(beside) =
+            beside.filter(|beside| !matches!(beside.segment.interpolation, Interpolation::Hold))
         else {
             return own;
         };
@@ -141,7 +159,7 @@ impl<T: Value> Span<T> {
         match beside.derivative(1 - end) {
             None => {
                 let other = beside.knot / beside.seconds;
-                // Of a segment without length or time there may be none.
+                // A segment without length or time has no rate.
                 if !(own > 0.0 && other > 0.0) {
                     return 0.0;
                 }
@@ -154,7 +172,7 @@ impl<T: Value> Span<T> {
             }
             Some(given) => {
                 let rate = T::length(given) / (beside.seconds * T::length(tangent));
-                // A cubic may rise three times as fast at its end as all in all, and still is monotone.
+                // A cubic is monotone if its end slopes are at most three times its mean slope.
                 if rate.is_nan() {
                     0.0
                 } else {
@@ -164,67 +182,71 @@ impl<T: Value> Span<T> {
         }
     }
 
-    /// Whether it starts from rest, or comes to rest.
+    /// Whether it starts from rest (end 0) or comes to rest (end 1).
     fn is_eased(&self, end: usize) -> bool {
         [self.segment.ease_in, self.segment.ease_out][end]
     }
 
     fn is_still(&self) -> bool {
-        match self.segment.shape {
-            Shape::Hold => true,
-            // It may lead back to where it starts.
-            Shape::Cubic(..) => false,
-            Shape::Linear | Shape::CatmullRom => self.knot == 0.0,
+        match self.segment.interpolation {
+            Interpolation::Hold => true,
+            // A loop may end where it starts.
+            Interpolation::Hermite(..) => false,
+            Interpolation::Linear | Interpolation::CatmullRom => self.knot == 0.0,
         }
     }
 }
 
-impl<T: Value> Piece<T> {
+impl<T: Value> CurveSegment<T> {
     fn new(
         start: T,
-        before: Option<&Span<T>>,
-        span: &Span<T>,
-        after: Option<&Span<T>>,
-    ) -> Piece<T> {
+        before: Option<&SegmentInput<T>>,
+        input: &SegmentInput<T>,
+        after: Option<&SegmentInput<T>>,
+    ) -> CurveSegment<T> {
         let beside = [before, after];
         let end = |end: usize| {
-            let eased = span.is_eased(end);
-            let (derivative, rate) = match span.derivative(end) {
+            let eased = input.is_eased(end);
+            let (derivative, rate) = match input.derivative(end) {
                 Some(derivative) => (derivative, 1.0),
-                None if span.knot == 0.0 => (span.step, 1.0),
+                None if input.knot == 0.0 => (input.step, 1.0),
                 None => {
-                    let tangent = span.tangent(end, beside[end]);
-                    let rate = span.rate(end, tangent, beside[end]);
-                    (tangent * span.knot, rate * span.seconds / span.knot)
+                    let tangent = input.tangent(end, beside[end]);
+                    let rate = input.rate(end, tangent, beside[end]);
+                    (tangent * input.knot, rate * input.seconds / input.knot)
                 }
             };
             (derivative, if eased { 0.0 } else { rate })
         };
         let [(start_derivative, start_rate), (end_derivative, end_rate)] = [end(0), end(1)];
-        let is_held = matches!(span.segment.shape, Shape::Hold);
-        Piece {
+        let is_held = matches!(input.segment.interpolation, Interpolation::Hold);
+        CurveSegment {
             start,
-            step: if is_held { span.step * 0.0 } else { span.step },
+            step: if is_held {
+                input.step * 0.0
+            } else {
+                input.step
+            },
             derivatives: [start_derivative, end_derivative],
             rates: [start_rate, end_rate],
         }
     }
 
-    /// The value at a share of the segment's time.
-    fn at(&self, share: f64) -> T {
-        let [whole, start, end] = weights(share);
-        self.at_share_of_curve(whole + self.rates[0] * start + self.rates[1] * end)
+    /// The value at a fraction of the segment's time.
+    fn at(&self, fraction: f64) -> T {
+        let [whole, start, end] = weights(fraction);
+        self.at_curve_parameter(whole + self.rates[0] * start + self.rates[1] * end)
     }
 
-    /// The value at a share of the curve.
-    pub(super) fn at_share_of_curve(&self, share: f64) -> T {
+    /// The value at a curve parameter from 0 to 1.
+    pub(super) fn at_curve_parameter(&self, s: f64) -> T {
         self.start
-            .cubic(self.step, self.derivatives[0], self.derivatives[1], share)
+            .cubic(self.step, self.derivatives[0], self.derivatives[1], s)
     }
 
-    /// How fast the value changes by the share of the curve: the length of the derivative of a cubic in a flat space.
-    pub(super) fn speed(&self, share: f64) -> f64 {
-        let (s, t) = (share, 1.0 - share);
+    /// The length of the derivative by the curve parameter, of a cubic in a vector space.
+    pub(super) fn speed(&self, s: f64) -> f64 {
+        let t = 1.0 - s;
         let derivative = self.step * (6.0 * s * t)
             + (self.derivatives[0] * (t * (1.0 - 3.0 * s))
                 + self.derivatives[1] * (s * (3.0 * s - 2.0)));
@@ -234,24 +256,24 @@ impl<T: Value> Piece<T> {
 
 /// Where a time lies among keys.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Place {
+pub(super) enum CurveParameter {
     /// On a key, or beyond the end that the key is.
-    Key(usize),
-    /// After a key, at a share in (0, 1) of the time to the next.
-    Between(usize, f64),
+    AtKey(usize),
+    /// After a key, at a fraction in (0, 1) of the time to the next.
+    InSegment(usize, f64),
 }
 
-impl Place {
+impl CurveParameter {
     /// `times` rise; there is at least one.
-    pub(super) fn of(times: &[f64], time: f64) -> Place {
+    pub(super) fn of(times: &[f64], time: f64) -> CurveParameter {
         let after = times.partition_point(|&t| t <= time);
         if after == 0 {
-            return Place::Key(0);
+            return CurveParameter::AtKey(0);
         }
         let i = after - 1;
         if after == times.len() || times[i] == time {
-            return Place::Key(i);
+            return CurveParameter::AtKey(i);
         }
-        Place::Between(i, (time - times[i]) / (times[after] - times[i]))
+        CurveParameter::InSegment(i, (time - times[i]) / (times[after] - times[i]))
     }
 }

@@ -1,15 +1,16 @@
+//! Values that a path interpolates: numbers, vectors and rotations.
+
 use super::rotation::{exp, log};
 use glam::{DQuat, DVec3};
 use std::fmt::Debug;
 use std::ops::{Add, Mul};
 
-/// What can be interpolated.
+/// A value that can be interpolated.
 pub(super) trait Value: Copy + Debug {
-    /// What leads from one to another, and the derivative of a curve of them: a vector space over the
-    /// reals.
+    /// The difference of two values and the derivative of a curve of them: a real vector space.
     type Step: Copy + Debug + Add<Output = Self::Step> + Mul<f64, Output = Self::Step>;
 
-    /// From this one to another.
+    /// The step from this value to another.
     fn step_to(self, other: Self) -> Self::Step;
 
     /// The length of a step.
@@ -18,18 +19,18 @@ pub(super) trait Value: Copy + Debug {
     /// The inner product of two steps.
     fn dot(a: Self::Step, b: Self::Step) -> f64;
 
-    /// The point at `s`, of 0 to 1, of the cubic curve that goes from here by `step`, with derivatives `start` and
-    /// `end` at its ends.
+    /// The point at parameter `s` in [0, 1] of the cubic Hermite curve from here by `step`, with derivatives `start`
+    /// and `end` at its ends.
     fn cubic(self, step: Self::Step, start: Self::Step, end: Self::Step, s: f64) -> Self;
 }
 
-/// The weights of step, start and end in a cubic.
+/// The Hermite basis: the weights of step, start and end derivative.
 pub(super) fn weights(s: f64) -> [f64; 3] {
     let t = 1.0 - s;
     [s * s * (3.0 - 2.0 * s), s * t * t, -s * s * t]
 }
 
-/// How far a cubic in a flat space has come.
+/// The offset from the start of a cubic in a vector space.
 fn offset<T: Copy + Add<Output = T> + Mul<f64, Output = T>>(
     step: T,
     start: T,

@@ -1,5 +1,6 @@
-use super::gltf_nodes::MAGIC;
-use super::{gltf_reader, json_file, nerfstudio_reader};
+//! Import of cameras of other programs, whose formats are told apart by content.
+
+use super::{gltf, json, nerfstudio};
 use crate::camera::FrameCameras;
 use crate::input::InputError;
 use crate::input::InputFiles;
@@ -8,16 +9,16 @@ use serde::Deserialize;
 use serde::de::IgnoredAny;
 use std::path::Path;
 
-/// What is imported from other programs.
+/// The cameras of another program.
 #[derive(Debug)]
 pub struct CameraImport {
-    /// Its frames.
+    /// The cameras of its frames.
     pub frames: FrameCameras,
-    /// Columns and rows of its pictures, if it says so.
+    /// Columns and rows of its frames, if the file gives them.
     pub size: Option<(u32, u32)>,
 }
 
-/// What tells files apart.
+/// The keys that tell the formats apart.
 #[derive(Default, Deserialize)]
 struct Keys {
     /// Of nerfstudio.
@@ -26,12 +27,12 @@ struct Keys {
     asset: Option<IgnoredAny>,
 }
 
-/// Frames per second of files that do not say how many.
+/// Frames per second of glTF files, which do not give any.
 const FPS: f64 = 24.0;
 
 /// Imports a camera path of nerfstudio or an animated camera of a glTF file. The coordinates are kept as they are.
 ///
-/// `fps` and the name of the camera are for glTF files: those of nerfstudio have frames, and one camera.
+/// `fps` and the name of the camera are for glTF files; those of nerfstudio give frames, and have one camera.
 pub fn import_cameras(
     file: &Path,
     fps: Option<f64>,
@@ -41,7 +42,7 @@ pub fn import_cameras(
     let bytes = InputFiles::default().read(file)?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
     let keys = match bytes.trim_ascii_start().first() {
-        Some(b'{') => json_file::parse(file, bytes)?,
+        Some(b'{') => json::parse(file, bytes)?,
         _ => Keys::default(),
     };
     if keys.camera_path.is_some() {
@@ -49,12 +50,12 @@ pub fn import_cameras(
             let message = "has its own frames, and one camera: leave --fps and --camera out";
             return check.refuse("camera_path", message);
         }
-        let (frames, size) = nerfstudio_reader::parse(file, bytes)?;
+        let (frames, size) = nerfstudio::parse(file, bytes)?;
         return Ok(CameraImport { frames, size });
     }
-    if bytes.starts_with(MAGIC) || keys.asset.is_some() {
+    if bytes.starts_with(gltf::MAGIC) || keys.asset.is_some() {
         let fps = check.positive("--fps", fps.unwrap_or(FPS))?;
-        let frames = gltf_reader::parse(file, bytes, fps, camera)?;
+        let frames = gltf::parse(file, bytes, fps, camera)?;
         return Ok(CameraImport { frames, size: None });
     }
     check.refuse(

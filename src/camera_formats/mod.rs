@@ -1,21 +1,17 @@
-//! Camera paths in files: RON, glTF, nerfstudio and a table of cameras, each read beside written.
+//! Camera paths in files: RON, glTF, nerfstudio and a table of cameras. The reader of a format stands beside its writer.
 
-mod gltf_buffers;
-mod gltf_nodes;
-mod gltf_reader;
-mod gltf_sampler;
-mod gltf_writer;
+mod export;
+mod gltf;
 mod import;
-mod json_file;
-mod nerfstudio_reader;
-mod nerfstudio_writer;
-mod ron_reader;
-mod ron_writer;
+mod json;
+mod nerfstudio;
+mod ron;
 mod table;
 
-pub use gltf_writer::{GltfContainer, GltfError, gltf_file};
+pub use self::ron::{CameraPathInput, camera_path_to_ron, load_camera_path, parse_camera_path};
+pub use export::{CameraFormat, ExportError, export_cameras};
 pub use import::{CameraImport, import_cameras};
-pub use nerfstudio_writer::nerfstudio_json;
-pub use ron_reader::{CameraPathInput, load_camera_path, parse_camera_path};
-pub use ron_writer::camera_path_file;
 pub use table::camera_table;
+
+/// The most frames of a path: more than a video of a day has.
+const MOST_FRAMES: u32 = 10_000_000;

@@ -1,7 +1,9 @@
+//! A table of cameras in JSON Lines.
+
 use crate::camera::FrameCameras;
 use serde::Serialize;
 
-/// A line of a table of cameras.
+/// A line of the table.
 #[derive(Serialize)]
 struct Row {
     frame: usize,
@@ -14,9 +16,9 @@ struct Row {
     fov: f64,
 }
 
-/// The camera of every frame as JSON Lines, a frame a line: its number, time in seconds, position in world
-/// coordinates, quaternion (x, y, z, w; camera to world, the camera looks along -Z with +Y up) and vertical field of
-/// view in degrees. Numbers are written so that they are read as the same.
+/// The camera of every frame as JSON Lines, one line for each: number, time in seconds, position in world coordinates,
+/// quaternion (x, y, z, w; camera to world, the camera looks along -Z with +Y up) and vertical field of view in degrees.
+/// Numbers round-trip exactly.
 pub fn camera_table(cameras: &FrameCameras) -> serde_json::Result<String> {
     let mut table = String::new();
     for (frame, camera) in cameras.cameras.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! `bake`: the irradiance cache of a camera path, for jobs that share it; and what other commands say when they bake.
 
 use super::job_args::{InputArguments, SettingsArguments, ThreadsArgument};
-use super::progress::{ShareProgress, clock};
+use super::progress::{FractionProgress, clock};
 use super::{Failure, Status, say, warn};
 use crate::bake::Baked;
 use crate::job::{BakeOutcome, Job, JobOptions, Spec};
@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<Status, Failure> {
 /// Bakes the irradiance cache of a job if its frames need one, and says what it took.
 pub(super) fn bake(job: &mut Job, quiet: bool) -> Result<(), Failure> {
     let start = Instant::now();
-    let progress = ShareProgress::new(quiet);
+    let progress = FractionProgress::new(quiet);
     let settings = job.settings().clone();
     let outcome = job.bake(&|done, what| progress.at(done, what));
     progress.finish();
@@ -87,7 +87,7 @@ pub(super) fn bake(job: &mut Job, quiet: bool) -> Result<(), Failure> {
 
 /// How large the cache is, and its error.
 fn summary(baked: &Baked) -> String {
-    let [primary, secondary] = baked.cache.place_count();
+    let [primary, secondary] = baked.cache.record_count();
     let megabytes = baked.cache.memory() as f64 / 1e6;
     let mut summary =
         format!("  {primary} primary, {secondary} secondary records, {megabytes:.1} MB in memory");

@@ -1,3 +1,5 @@
+//! Lists of frames as the user writes them, and the orders in which they are rendered.
+
 use std::str::FromStr;
 
 /// Numbered frames as the user lists them: `7`, `0-99`, `0-99:2`, several with commas. Both ends

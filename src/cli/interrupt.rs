@@ -1,3 +1,5 @@
+//! SIGTERM and Ctrl-C.
+
 use super::Status;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;

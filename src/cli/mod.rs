@@ -5,6 +5,7 @@ mod args;
 mod audit;
 mod bake;
 mod check;
+mod error_chart;
 mod frames;
 mod interrupt;
 mod job_args;
@@ -32,19 +33,18 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// What to tell the caller, a person or a scheduler.
+/// The exit status of the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Status {
-    /// All that was asked for is there.
+    /// Success.
     Done = 0,
-    /// This machine or this build of the program does not get known answers right.
+    /// The self-test failed: this machine or this build computes wrong values.
     SelfTestFailed = 1,
-    /// The input or the command is wrong: trying again cannot help.
+    /// Wrong input or usage: trying again cannot help.
     BadInput = 2,
-    /// Some frames could not be made, or are not what they should be: rendering again may help.
+    /// Some frames failed or are not verified: rendering again may help.
     SomeFailed = 3,
-    /// The user or the system asked for an end: the same command goes on from there. It is EX_TEMPFAIL of
-    /// sysexits.h.
+    /// Interrupted: the same command continues. It is EX_TEMPFAIL of sysexits.h.
     Interrupted = 75,
 }
 
@@ -84,7 +84,7 @@ pub fn run() -> ExitCode {
 /// Any error that ends a command before its work.
 type Failure = Box<dyn std::error::Error>;
 
-/// Whether whoever reads the output has read enough, as `head` does.
+/// Whether the reader of the output has closed it, as `head` does.
 fn is_unread(error: &Failure) -> bool {
     let error = error.downcast_ref::<io::Error>();
     error.is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
@@ -99,7 +99,7 @@ fn keep(file: &Path, force: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// That a file is written, or why it is not.
+/// Names the file of a write that failed.
 fn written(file: &Path, result: io::Result<()>) -> Result<(), Failure> {
     result.map_err(|error| format!("{}: cannot be written: {error}", file.display()).into())
 }

@@ -1,13 +1,15 @@
+//! `flythrough path export`: the cameras of a path for another program.
+
 use super::path_args::ExportArguments;
 use super::{Failure, Status, keep, written};
 use crate::camera::FrameCameras;
-use crate::camera_formats::load_camera_path;
-use crate::camera_formats::{GltfContainer, camera_table, gltf_file, nerfstudio_json};
+use crate::camera_formats::{CameraFormat, export_cameras, load_camera_path};
 use crate::input::{InputFiles, Settings};
 use crate::storage::write_atomic;
 
 pub(super) fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
     keep(&arguments.out, arguments.force)?;
+    let format = CameraFormat::of_file(&arguments.out)?;
     let input = load_camera_path(&arguments.path, &mut InputFiles::default())?;
     let flags = Settings {
         size: arguments.size,
@@ -15,23 +17,9 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<Status, Failure> {
     };
     flags.check().map_err(|error| error.of_flag())?;
     let settings = flags.or(input.settings).resolve(1);
-    let aspect = f64::from(settings.width) / f64::from(settings.height);
-    let path = &input.path;
-    let frames = FrameCameras::of(path);
-    let extension = arguments.out.extension().unwrap_or_default();
-    let bytes = match extension.to_string_lossy().to_lowercase().as_str() {
-        "json" => {
-            let size = (settings.width, settings.height);
-            nerfstudio_json(&frames, &path.key_cameras(), path.is_closed(), size)?.into_bytes()
-        }
-        "gltf" => gltf_file(&frames, aspect, GltfContainer::Text)?,
-        "glb" => gltf_file(&frames, aspect, GltfContainer::Binary)?,
-        "jsonl" => camera_table(&frames)?.into_bytes(),
-        _ => {
-            let out = arguments.out.display();
-            return Err(format!("{out}: name it .json, .gltf, .glb or .jsonl").into());
-        }
-    };
+    let frames = FrameCameras::of(&input.path);
+    let size = (settings.width, settings.height);
+    let bytes = export_cameras(format, &frames, &input.path.key_cameras(), size)?;
     written(&arguments.out, write_atomic(&arguments.out, &bytes))?;
     Ok(Status::Done)
 }

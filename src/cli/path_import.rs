@@ -1,7 +1,6 @@
 use super::path_args::ImportArguments;
 use super::{Failure, Status, keep, written};
-use crate::camera_formats::camera_path_file;
-use crate::camera_formats::{import_cameras, parse_camera_path};
+use crate::camera_formats::{camera_path_to_ron, import_cameras, parse_camera_path};
 use crate::storage::write_atomic;
 use std::io::Write;
 
@@ -10,11 +9,11 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Status, Failure> {
     keep(out, arguments.force)?;
     let import = import_cameras(&arguments.file, arguments.fps, arguments.camera.as_deref())?;
     let name = arguments.file.file_name().unwrap_or_default();
-    let from = format!(
+    let comment = format!(
         "The camera of {}: a key for each frame.",
         name.to_string_lossy().escape_debug()
     );
-    let text = camera_path_file(&import.frames, import.size, &from);
+    let text = camera_path_to_ron(&import.frames, import.size, &comment);
     let path = parse_camera_path(&arguments.file, text.as_bytes())?.path;
     written(out, write_atomic(out, text.as_bytes()))?;
     let timeline = path.timeline();

@@ -1,3 +1,5 @@
+//! Progress of sequences and of other long work: a bar, lines, or what Open Job Description reads.
+
 use super::interrupt::Interrupt;
 use super::values::ProgressArgument;
 use crate::render::{FrameObserver, RenderSettings, SequenceObserver, SinkError, tile_count};
@@ -11,7 +13,7 @@ use std::time::{Duration, Instant};
 pub(super) enum Shown {
     /// A bar.
     Bar,
-    /// A line now and then, for files that keep what is said.
+    /// A line a minute, for log files.
     Lines,
     /// The lines of Open Job Description, on stdout.
     OpenJobDescription,
@@ -30,21 +32,20 @@ impl ProgressArgument {
     }
 }
 
-/// How far the whole sequence is: frames, rays per second, time left.
+/// Progress of a sequence: frames, rays per second, ETA.
 ///
-/// Where it moves with every tile, the forecast needs no whole frame. It counts only frames that are
-/// rendered now.
+/// It counts only frames that are rendered by this process.
 pub(super) struct SequenceProgress {
     bar: ProgressBar,
     shown: Shown,
     steps_per_frame: u64,
     steps_are_frames: bool,
-    /// How many are rendered here.
+    /// Frames that this process renders.
     frames: AtomicU64,
     frames_kept: AtomicU64,
     rays: AtomicU64,
     start: Instant,
-    /// When the last line was written, in milliseconds from the start.
+    /// Time of the last line, in milliseconds from the start.
     last_line: AtomicU64,
     interrupt: Interrupt,
 }
@@ -96,7 +97,7 @@ impl SequenceProgress {
         }
     }
 
-    /// The share that is done, of 1.
+    /// The fraction that is done.
     fn done(&self) -> f64 {
         match self.bar.length() {
             None | Some(0) => 1.0,
@@ -115,7 +116,7 @@ impl SequenceProgress {
         )
     }
 
-    /// Whether so many milliseconds are over since this was last so; it is for one thread of all.
+    /// Whether `pause` milliseconds have passed since this was last true; it is for one thread only.
     fn is_time_for_a_line(&self, pause: u64) -> bool {
         let now = self.start.elapsed().as_millis() as u64;
         let last = self.last_line.load(Ordering::Relaxed);
@@ -127,7 +128,7 @@ impl SequenceProgress {
     }
 
     fn tell_openjd(&self) {
-        // Nobody has to read it.
+        // A reader that has gone is no failure of the rendering.
         let _ = writeln!(
             std::io::stdout(),
             "openjd_progress: {:.1}\nopenjd_status: {}",
@@ -161,7 +162,7 @@ impl SequenceObserver for SequenceProgress {
     }
 
     fn frame_skipped(&self, _: u32) {
-        // It is as if it had not been asked for: the forecast is of frames that take their time.
+        // It does not count: the ETA is of frames that are rendered.
         self.frames.fetch_sub(1, Ordering::Relaxed);
         self.bar.dec_length(self.steps_per_frame);
         self.update();
@@ -173,18 +174,18 @@ impl SequenceObserver for SequenceProgress {
     }
 }
 
-/// One bar for work of which shares are known: what is done now, time left.
-pub(super) struct ShareProgress {
+/// A bar for work whose fraction done is known: the current step, ETA.
+pub(super) struct FractionProgress {
     bar: ProgressBar,
     start: Instant,
 }
 
-impl ShareProgress {
+impl FractionProgress {
     /// Steps of the bar.
     const STEPS: u64 = 1000;
 
-    pub(super) fn new(quiet: bool) -> ShareProgress {
-        ShareProgress {
+    pub(super) fn new(quiet: bool) -> FractionProgress {
+        FractionProgress {
             bar: bar(Self::STEPS, quiet),
             start: Instant::now(),
         }
@@ -195,7 +196,7 @@ impl ShareProgress {
         self.bar.finish_and_clear();
     }
 
-    /// The share `done`, of 1, is done.
+    /// The fraction `done` is done; `what` is the current step.
     pub(super) fn at(&self, done: f64, what: &str) {
         let left = remaining(self.start.elapsed(), done).map_or("?".to_owned(), clock);
         self.bar.set_position((done * Self::STEPS as f64) as u64);
@@ -215,12 +216,12 @@ fn bar(steps: u64, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// The time that the rest will take at the pace so far.
+/// The time that is left at the average speed so far.
 fn remaining(elapsed: Duration, done: f64) -> Option<Duration> {
     (done > 0.0).then(|| elapsed.mul_f64((1.0 - done) / done))
 }
 
-/// Rays per second, for people.
+/// Rays per second.
 pub(super) fn rays_per_second(rays: u64, elapsed: Duration) -> String {
     let rate = rays as f64 / elapsed.as_secs_f64().max(1e-9);
     format!("{:.2} Mray/s", rate / 1e6)

@@ -1,7 +1,7 @@
 //! `quote`: time, disk and memory of a sequence, estimated before it is rendered.
 
 use super::job_args::JobArguments;
-use super::progress::{ShareProgress, clock};
+use super::progress::{FractionProgress, clock};
 use super::values::parse_time;
 use super::{Failure, Status, warn};
 use crate::forecast::Forecast;
@@ -47,7 +47,7 @@ pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
         make_folder(out)?;
     }
     super::bake::bake(&mut job, arguments.quiet)?;
-    let progress = ShareProgress::new(arguments.quiet);
+    let progress = FractionProgress::new(arguments.quiet);
     let listener = |done: f64, what: &'static str| progress.at(done, what);
     let saved = SavedEstimate::new(&mut job, arguments.budget, out, &listener);
     progress.finish();

@@ -1,10 +1,11 @@
 //! `render`: the frames of a camera path.
 
 use super::bake::bake;
+use super::error_chart::error_chart;
 use super::frames::{FrameRanges, coarse_to_fine};
 use super::interrupt::Interrupt;
 use super::job_args::JobArguments;
-use super::progress::{SequenceProgress, ShareProgress, clock, rays_per_second};
+use super::progress::{FractionProgress, SequenceProgress, clock, rays_per_second};
 use super::quote::accuracy_lines;
 use super::sheet::draw;
 use super::values::{OrderArgument, PrepareArgument, ProgressArgument, parse_time};
@@ -95,7 +96,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         Some(ranges) => ranges.of_path(count)?,
     };
     if let Some(budget) = arguments.budget {
-        let progress = ShareProgress::new(arguments.quiet);
+        let progress = FractionProgress::new(arguments.quiet);
         let choice = keep_within(&mut job, budget, &out, &|done, what| {
             progress.at(done, what)
         });
@@ -207,7 +208,7 @@ fn list(folder: &FrameFolder, job: &Job, changed: bool) -> bool {
     let list = || {
         if changed || !Manifest::is_right(folder) {
             folder.sync();
-            Manifest::update(folder)?;
+            Manifest::update(folder, error_chart)?;
         }
         folder.write_camera_table(&camera_table(&FrameCameras::of(&job.inputs().path.path))?)
     };

@@ -2,7 +2,7 @@
 
 use super::frames::FrameRanges;
 use super::job_args::{InputArguments, ThreadsArgument};
-use super::progress::ShareProgress;
+use super::progress::FractionProgress;
 use super::values::parse_size;
 use super::{Failure, Status, say, warn};
 use crate::input::Settings;
@@ -94,10 +94,10 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
         folder: &arguments.out,
         title: stem.to_string_lossy().into_owned(),
     };
-    let progress = ShareProgress::new(arguments.quiet);
+    let progress = FractionProgress::new(arguments.quiet);
     let made = loaded
         .pool
-        .install(|| report(&inputs, &|share, what| progress.at(share, what)));
+        .install(|| report(&inputs, &|done, what| progress.at(done, what)));
     progress.finish();
     let made = made?;
     if !arguments.quiet {

@@ -1,3 +1,5 @@
+//! `selftest`: the table of numerically hard cases.
+
 use super::{Failure, Status};
 use crate::selftest::CASES;
 use crate::simd::Kernel;
@@ -11,7 +13,7 @@ pub(super) fn run() -> Result<Status, Failure> {
     std::thread::scope(|scope| {
         scope.spawn(move || {
             let cases = CASES.par_iter().enumerate();
-            // Nobody listens any more if the output cannot be written.
+            // The receiver is gone if the output cannot be written.
             cases.try_for_each_with(send, |send, (number, case)| {
                 send.send((number, case.run())).ok()
             })

@@ -2,8 +2,7 @@
 
 use super::frames::FrameRanges;
 use super::{Failure, Status, written};
-use crate::frames::ContactSheet;
-use crate::frames::FrameFolder;
+use crate::frames::{FrameFolder, write_contact_sheet};
 use crate::job::open_folder;
 use clap::Args;
 use std::io::Write;
@@ -56,5 +55,5 @@ pub(super) fn run(arguments: &SheetArguments) -> Result<Status, Failure> {
 
 /// Makes a contact sheet of some frames of a folder.
 pub(super) fn draw(folder: &FrameFolder, frames: &[u32], file: &Path) -> Result<(), Failure> {
-    written(file, ContactSheet::new(folder, frames).write(file))
+    written(file, write_contact_sheet(folder, frames, file))
 }

@@ -1,4 +1,4 @@
-//! What options take: names, times, sizes and shares, as people write them.
+//! Values of options: names, times, sizes and percentages.
 
 use crate::frames::FrameFormat;
 use clap::ValueEnum;
@@ -25,8 +25,8 @@ pub(super) enum AovArgument {
 pub(super) enum OrderArgument {
     /// As they are listed
     Sequential,
-    /// A few, spread over the path, then those between, and so on: what is there of an interrupted run can be
-    /// watched, and the forecast soon knows all of the path
+    /// Every 2^n-th frame of the path first, then those between: an interrupted run can be watched, and its ETA soon knows
+    /// the whole path
     CoarseToFine,
 }
 
@@ -66,20 +66,20 @@ impl From<FormatArgument> for FrameFormat {
     }
 }
 
-/// A time as people write it.
+/// A duration, as in 2h or 90min; above 0.
 pub(super) fn parse_time(text: &str) -> Result<Duration, String> {
     let time = humantime::parse_duration(text).map_err(|error| error.to_string())?;
     match time.is_zero() {
-        true => Err("there is no time in it".to_owned()),
+        true => Err("the time must be above 0".to_owned()),
         false => Ok(time),
     }
 }
 
-/// How many of a number of things.
+/// A number of frames, or a percentage of all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum SampleSize {
-    /// A share of them, of 1.
-    Share(f64),
+    /// A fraction of all.
+    Fraction(f64),
     Count(u32),
 }
 
@@ -87,13 +87,13 @@ impl FromStr for SampleSize {
     type Err = String;
 
     fn from_str(text: &str) -> Result<SampleSize, String> {
-        let wrong = || "write a number, as in 5, or a share, as in 1%".to_owned();
+        let wrong = || "write a number, as in 5, or a percentage, as in 1%".to_owned();
         match text.strip_suffix('%') {
-            Some(share) => {
-                let share: f64 = share.parse().map_err(|_| wrong())?;
-                let is_share = share > 0.0 && share <= 100.0;
-                is_share
-                    .then_some(SampleSize::Share(share / 100.0))
+            Some(percent) => {
+                let percent: f64 = percent.parse().map_err(|_| wrong())?;
+                let is_valid = percent > 0.0 && percent <= 100.0;
+                is_valid
+                    .then_some(SampleSize::Fraction(percent / 100.0))
                     .ok_or_else(wrong)
             }
             None => text.parse().map(SampleSize::Count).map_err(|_| wrong()),
@@ -105,7 +105,7 @@ impl SampleSize {
     /// How many of `all`, 1 at least.
     pub(super) fn of(self, all: usize) -> usize {
         let count = match self {
-            SampleSize::Share(share) => (share * all as f64).ceil() as usize,
+            SampleSize::Fraction(fraction) => (fraction * all as f64).ceil() as usize,
             SampleSize::Count(count) => count as usize,
         };
         count.clamp(1, all.max(1))

@@ -1,7 +1,7 @@
 //! `verify`: whether every frame of a sequence is there, whole, unchanged and made from what it should be.
 
 use super::job_args::RecordedJobArguments;
-use super::progress::ShareProgress;
+use super::progress::FractionProgress;
 use super::{Failure, Status, say, warn};
 use crate::frames::{FrameFolder, FrameRecord, VerifyError};
 use crate::job::{open_folder, pool};
@@ -87,7 +87,7 @@ pub(super) fn verify(
     frames: &[u32],
     quiet: bool,
 ) -> Vec<(u32, Result<FrameRecord, VerifyError>)> {
-    let progress = ShareProgress::new(quiet);
+    let progress = FractionProgress::new(quiet);
     let done = AtomicUsize::new(0);
     let verify = |&frame: &u32| {
         let verified = folder.verify(frame);

@@ -69,7 +69,7 @@ pub struct ChartError {
 }
 
 /// Colours that also those who see fewer can tell apart (Okabe and Ito 2002), but for yellow.
-pub const COLORS: [RGBColor; 7] = [
+pub(super) const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -83,7 +83,7 @@ pub const COLORS: [RGBColor; 7] = [
 const MOST_MARKS: usize = 40;
 
 /// What all text is written in.
-pub const FONT: &str = "sans-serif";
+pub(super) const FONT: &str = "sans-serif";
 
 type Drawn = Result<(), Box<dyn Error>>;
 

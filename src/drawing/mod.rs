@@ -1,5 +1,8 @@
-//! Pictures for people: charts, the plot of a camera path; as SVG, or as pixels of it.
+//! Drawings: line charts, the plot of a camera path, contact sheets; as SVG, or as pixels of it.
+//!
+//! The only user of plotters and resvg.
 
 pub mod chart;
+pub mod contact_sheet;
 pub mod path_plot;
-pub mod svg;
+mod svg;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// or has more pixels than can be.
 ///
 /// Its letters are those of the family `sans-serif`, so that it looks the same on a machine without fonts.
-pub fn pixels(svg: &str) -> Result<Pixmap, Error> {
+pub(super) fn pixels(svg: &str) -> Result<Pixmap, Error> {
     let mut options = Options::default();
     let fonts = Arc::make_mut(&mut options.fontdb);
     fonts.load_font_data(notosans::REGULAR_TTF.to_vec());
@@ -22,7 +22,7 @@ pub fn pixels(svg: &str) -> Result<Pixmap, Error> {
 }
 
 /// Any text as the text of an SVG file says it; a space for each character that no such file can have.
-pub fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     let is_barred = |letter: char| letter.is_control() || matches!(letter, '\u{fffe}' | '\u{ffff}');
     let text = text.replace(is_barred, " ").replace('&', "&amp;");
     text.replace('<', "&lt;").replace('>', "&gt;")

@@ -39,11 +39,11 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    fn within(expected: f64, share: f64) -> Forecast {
+    fn within(expected: f64, relative: f64) -> Forecast {
         Forecast {
             expected,
-            low: expected / (1.0 + share),
-            high: expected * (1.0 + share),
+            low: expected / (1.0 + relative),
+            high: expected * (1.0 + relative),
         }
     }
 }
@@ -59,8 +59,8 @@ impl Estimate {
         let count = workload.path.timeline().frame_count();
         let within = |value: fn(&PilotFrame) -> f64, doubt: f64, pace: f64| {
             let values: Vec<f64> = frames.iter().map(value).collect();
-            let chance = error_of_mean(&values, count);
-            (chance.powi(2) + doubt.powi(2) + pace.powi(2)).sqrt()
+            let sampling = error_of_mean(&values, count);
+            (sampling.powi(2) + doubt.powi(2) + pace.powi(2)).sqrt()
         };
         let threads = workload.pool.current_num_threads();
         let before = memory + THREAD_MEMORY * threads as f64;
@@ -89,7 +89,7 @@ impl Estimate {
         Forecast::within(self.sum(frames, |frame| frame.bytes), self.bytes_within)
     }
 
-    /// The sum of a value that goes straight from one frame of the pilot to the next.
+    /// The sum of a value, interpolated linearly between the frames of the pilot.
     fn sum(&self, frames: &[u32], value: fn(&PilotFrame) -> f64) -> f64 {
         let of = |frame: &u32| {
             let next = self.frames.partition_point(|known| known.frame < *frame);
@@ -101,18 +101,18 @@ impl Estimate {
                 return 0.0;
             };
             let span = f64::from(after.frame) - f64::from(before.frame);
-            let share = match span > 0.0 {
+            let t = match span > 0.0 {
                 true => ((f64::from(*frame) - f64::from(before.frame)) / span).min(1.0),
                 false => 0.0,
             };
-            value(before) + share * (value(after) - value(before))
+            value(before) + t * (value(after) - value(before))
         };
         frames.iter().map(of).sum()
     }
 }
 
-/// How far off the mean of values that are evenly spread over `count` may be, relatively, 19 times of 20. What they
-/// tell of chance is how they differ from their neighbours: how they change over the path is no chance.
+/// Relative half width of the 95 % confidence interval of the mean of `count` values, of which these are evenly spread.
+/// Their variance is taken from differences of neighbours (von Neumann 1941): how they change along the path is no noise.
 fn error_of_mean(values: &[f64], count: u32) -> f64 {
     let known = values.len() as f64;
     let Some(degrees) = (values.len() as u32)

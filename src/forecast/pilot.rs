@@ -130,7 +130,7 @@ fn pixels_more(settings: &RenderSettings, halvings: u32) -> f64 {
 }
 
 impl Workload<'_> {
-    /// Renders frames as a sequence. Each has its share of the seconds by the rays that it took.
+    /// Renders frames as a sequence. The seconds are divided among them by their rays.
     fn measure(&self, renderer: &Renderer, frames: &[u32]) -> Vec<PilotFrame> {
         let scale = Scale {
             sequence: self.sequence,

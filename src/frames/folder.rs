@@ -325,7 +325,7 @@ impl FrameSink for FrameFolder {
         let mut error_map = None;
         if self.sequence.error_maps {
             let file = self.map_of(frame);
-            // Whoever holds the frame holds its map.
+            // The lock of the frame covers its map.
             let part = PartFile::own(&file).and_then(|part| with_room(part, FrameFormat::Exr));
             error_map = Some(part.map_err(|error| named(&file, error))?);
         }

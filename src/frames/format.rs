@@ -1,7 +1,11 @@
+//! The file formats of frames: 8 and 16 bit PNG, OpenEXR.
+
 use super::picture::{Contents, Picture};
 use super::{exr, png_file};
 use crate::film::Film;
+#[cfg(any(test, feature = "plots"))]
 use crate::math::color::srgb_to_linear;
+#[cfg(any(test, feature = "plots"))]
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -64,6 +68,7 @@ impl FrameFormat {
     }
 
     /// The film that such a picture is of, as far as it tells.
+    #[cfg(any(test, feature = "plots"))]
     pub(super) fn film(self, picture: &Picture) -> Film {
         let samples = &picture.samples;
         let channels: Vec<f32> = match self {
@@ -112,6 +117,7 @@ impl FrameFormat {
 }
 
 /// The linear value of each sRGB code up to the one that is 1.
+#[cfg(any(test, feature = "plots"))]
 fn linear_codes(most: u16) -> Vec<f32> {
     let linear = |code| srgb_to_linear(f32::from(code) / f32::from(most));
     (0..=most).map(linear).collect()

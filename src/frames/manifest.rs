@@ -1,6 +1,7 @@
+//! `manifest.ron`: what the frames of a folder say of themselves, with a table and a picture of their errors.
+
 use super::folder::{FrameFolder, remove};
 use super::record::FrameRecord;
-use crate::drawing::chart::{Axis, Chart, Point, Series};
 use crate::storage::{PartFile, write_atomic};
 use serde::Serialize;
 use std::fs;
@@ -34,15 +35,18 @@ impl Manifest {
         there.is_some() && there == Manifest::of(folder).to_text().ok()
     }
 
-    /// Writes `manifest.ron` and, if any frame has an error, `errors.csv` and a picture of it, `errors.svg`;
-    /// otherwise there are no such files.
+    /// Writes `manifest.ron` and, if any frame has an error, `errors.csv` and `errors.svg`: the text that `picture`
+    /// makes of the records, in the order of their frames. Otherwise, or without a text, there are no such files.
     ///
     /// Others may do the same at the same time: one after the other, each after its own frames. So the last has
     /// seen all of them.
-    pub fn update(folder: &FrameFolder) -> io::Result<()> {
+    pub fn update(
+        folder: &FrameFolder,
+        picture: impl FnOnce(&[FrameRecord]) -> io::Result<Option<String>>,
+    ) -> io::Result<()> {
         let file = folder.path().join(FILE);
         let _turn = PartFile::claim_in_turn(&file, PATIENCE)?;
-        Manifest::of(folder).write(folder)
+        Manifest::of(folder).write(folder, picture)
     }
 
     fn to_text(&self) -> Result<String, ron::Error> {
@@ -52,44 +56,39 @@ impl Manifest {
         ron::ser::to_string_pretty(self, pretty)
     }
 
-    fn write(&self, folder: &FrameFolder) -> io::Result<()> {
+    fn write(
+        &self,
+        folder: &FrameFolder,
+        picture: impl FnOnce(&[FrameRecord]) -> io::Result<Option<String>>,
+    ) -> io::Result<()> {
         let text = self.to_text().map_err(io::Error::other)?;
         write_atomic(&folder.path().join(FILE), text.as_bytes())?;
+        let has_errors = self.frames.iter().any(|record| record.error.is_some());
+        let table = has_errors.then(|| self.table());
+        let drawn = if has_errors {
+            picture(&self.frames)?
+        } else {
+            None
+        };
+        for (name, text) in [("errors.csv", table), ("errors.svg", drawn)] {
+            let file = folder.path().join(name);
+            match text {
+                Some(text) => write_atomic(&file, text.as_bytes())?,
+                None => remove(&file)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// The errors as comma-separated values, a row for each frame that has one.
+    fn table(&self) -> String {
         let mut table = "frame,relMSE,low,high\n".to_owned();
-        let mut points = Vec::new();
         for record in &self.frames {
             if let Some(error) = record.error {
                 let (y, low, high) = (error.relative_square_error, error.low, error.high);
                 table += &format!("{},{y:e},{low:e},{high:e}\n", record.frame);
-                let x = f64::from(record.frame);
-                points.push(Point { x, y, low, high });
             }
         }
-        let [errors, picture] = ["errors.csv", "errors.svg"].map(|name| folder.path().join(name));
-        if points.is_empty() {
-            remove(&errors)?;
-            return remove(&picture);
-        }
-        write_atomic(&errors, table.as_bytes())?;
-        let drawn = drawing(points).to_svg().map_err(io::Error::other)?;
-        write_atomic(&picture, drawn.as_bytes())
-    }
-}
-
-fn drawing(points: Vec<Point>) -> Chart {
-    let axis = |label: &str| Axis {
-        label: label.to_owned(),
-        logarithmic: false,
-    };
-    Chart {
-        title: "Error of each frame".to_owned(),
-        x: axis("frame"),
-        y: axis("relMSE"),
-        series: vec![Series {
-            name: String::new(),
-            points,
-        }],
-        guides: Vec::new(),
-        size: (720, 240),
+        table
     }
 }

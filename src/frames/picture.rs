@@ -1,3 +1,5 @@
+//! Pixels as a file stores them, and the note beside them.
+
 /// Under this name a file's note is found in it.
 pub(super) const NOTE: &str = "flythrough";
 

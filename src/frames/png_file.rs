@@ -1,12 +1,22 @@
 //! PNG files: sRGB codes, with a text beside them.
 
+use super::format::FrameFormat;
 use super::picture::{Contents, NOTE, Picture};
+use crate::film::Film;
+use crate::storage::write_atomic;
 use png::{BitDepth, ColorType, DecodeOptions, Decoder, Info, Limits};
 use std::fs::File;
 use std::io::{self, BufReader, Cursor};
 use std::path::Path;
 
-/// The bytes of a file that holds a picture and says `note`.
+/// Writes a film as a PNG file of 8 bits for each channel, sRGB, whole or not at all. Radiance of 1 is white; what is
+/// brighter is clipped: see [`Film::expose`].
+pub fn write_png(film: &Film, file: &Path) -> io::Result<()> {
+    let picture = FrameFormat::Png.picture(film);
+    write_atomic(file, &encode(&picture, BitDepth::Eight, "")?)
+}
+
+/// The bytes of a file that holds a picture and says `note`, unless that is empty.
 pub(super) fn encode(picture: &Picture, depth: BitDepth, note: &str) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, picture.width, picture.height);
@@ -14,7 +24,9 @@ pub(super) fn encode(picture: &Picture, depth: BitDepth, note: &str) -> io::Resu
     encoder.set_depth(depth);
     // Without a tag, programs guess the colour space, and guess differently.
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    encoder.add_text_chunk(NOTE.to_owned(), note.to_owned())?;
+    if !note.is_empty() {
+        encoder.add_text_chunk(NOTE.to_owned(), note.to_owned())?;
+    }
     // Stronger settings cost many times the encoding time for a few per cent of size.
     encoder.set_compression(png::Compression::Fast);
     let mut writer = encoder.write_header()?;

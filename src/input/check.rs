@@ -1,4 +1,4 @@
-//! Checks of single values, with messages that name them.
+//! Range checks of single values of a file, with errors that name the value.
 
 use super::error::InputError;
 use glam::{DVec3, Vec3};
@@ -7,20 +7,20 @@ use std::path::Path;
 /// A triple in a file: (x, y, z) or (r, g, b).
 pub(crate) type Triple = (f64, f64, f64);
 
-/// Coordinates beyond this lose so much to rounding, or overflow when squared, that no picture
-/// could be right.
-pub(crate) const LARGEST: f64 = 1e15;
+/// The largest magnitude of a number: beyond it, coordinates lose too much to rounding, or overflow when squared.
+pub(crate) const MAX_MAGNITUDE: f64 = 1e15;
 
-/// Sizes below this vanish when squared or in single precision.
-pub(crate) const SMALLEST: f64 = 1e-15;
+/// The smallest size: below it, sizes vanish when squared or in single precision.
+pub(crate) const MIN_SIZE: f64 = 1e-15;
 
-/// Names values of one file in messages.
+/// Checks values of one file.
 #[derive(Clone, Copy)]
 pub(crate) struct Checker<'a> {
     pub(crate) file: &'a Path,
 }
 
 impl Checker<'_> {
+    /// An error about the value at `key`.
     pub(crate) fn refuse<T>(self, key: &str, message: impl Into<String>) -> Result<T, InputError> {
         Err(InputError::Value {
             file: self.file.to_owned(),
@@ -29,7 +29,7 @@ impl Checker<'_> {
         })
     }
 
-    /// A number within `least..=most`.
+    /// A number in `least..=most`.
     pub(crate) fn range(
         self,
         key: &str,
@@ -43,20 +43,20 @@ impl Checker<'_> {
         self.refuse(key, format!("{value} is not between {least} and {most}"))
     }
 
-    /// A size or a rate.
+    /// A size or a rate, in [`MIN_SIZE`]..=[`MAX_MAGNITUDE`].
     pub(crate) fn positive(self, key: &str, value: f64) -> Result<f64, InputError> {
-        if (SMALLEST..=LARGEST).contains(&value) {
+        if (MIN_SIZE..=MAX_MAGNITUDE).contains(&value) {
             return Ok(value);
         }
         let message = if value > 0.0 {
-            format!("{value:e} is not between {SMALLEST:e} and {LARGEST:e}")
+            format!("{value:e} is not between {MIN_SIZE:e} and {MAX_MAGNITUDE:e}")
         } else {
             format!("{value} is not a number above 0")
         };
         self.refuse(key, message)
     }
 
-    /// A vertical field of view in degrees, to radians.
+    /// A vertical field of view in degrees, in radians.
     pub(crate) fn field_of_view(self, key: &str, degrees: f64) -> Result<f64, InputError> {
         if degrees > 0.0 && degrees < 180.0 {
             return Ok(degrees.to_radians());
@@ -65,19 +65,19 @@ impl Checker<'_> {
         self.refuse(key, message)
     }
 
-    /// A point, direction or set of angles.
+    /// A point, direction or set of angles, each number of at most [`MAX_MAGNITUDE`].
     pub(crate) fn vector(self, key: &str, (x, y, z): Triple) -> Result<DVec3, InputError> {
         let vector = DVec3::new(x, y, z);
-        if vector.is_finite() && vector.abs().max_element() <= LARGEST {
+        if vector.is_finite() && vector.abs().max_element() <= MAX_MAGNITUDE {
             return Ok(vector);
         }
         self.refuse(
             key,
-            format!("({x}, {y}, {z}): every number must lie between -{LARGEST:e} and {LARGEST:e}"),
+            format!("({x}, {y}, {z}): every number must lie between -{MAX_MAGNITUDE:e} and {MAX_MAGNITUDE:e}"),
         )
     }
 
-    /// A colour with channels within `0..=most`.
+    /// A colour with channels in `0..=most`.
     pub(crate) fn color(self, key: &str, rgb: Triple, most: f64) -> Result<Vec3, InputError> {
         let (r, g, b) = rgb;
         let color = DVec3::new(r, g, b);
@@ -96,5 +96,5 @@ impl Checker<'_> {
     }
 }
 
-/// The largest light: its square still is a number in single precision.
-pub(crate) const BRIGHTEST: f64 = 1e15;
+/// The largest channel of a radiance or an intensity: its square is finite in single precision.
+pub(crate) const MAX_RADIANCE: f64 = 1e15;

@@ -1,8 +1,10 @@
+//! What can be wrong with an input file.
+
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// What is wrong with an input file, where, and what to do about it.
+/// An error in an input file: where it is and what to do about it.
 #[derive(Debug, Error)]
 pub enum InputError {
     /// A file could not be read.
@@ -15,8 +17,8 @@ pub enum InputError {
     },
     /// A file that another one names could not be read.
     #[error(
-        "{file}: {key} names {missing}, which cannot be read: {source}; names are relative to the \
-         folder of the file they stand in",
+        "{file}: {key} names {missing}, which cannot be read: {source}; file names are relative to \
+         the folder of the file that names them",
         file = .file.display(), missing = .missing.display()
     )]
     Reference {
@@ -51,18 +53,18 @@ pub enum InputError {
         /// What is wrong with it and what to write instead.
         message: String,
     },
-    /// An OBJ or MTL file is broken.
+    /// A statement of an OBJ or MTL file is wrong.
     #[error("{file}:{line}: {message}", file = .file.display())]
     Model {
         /// The file.
         file: PathBuf,
-        /// The line, from 1, at or before which the fault was noticed.
+        /// The line, from 1, at or after that of the fault.
         line: usize,
         /// What is wrong.
         message: String,
     },
     /// An image cannot be decoded.
-    #[error("{file}: not an image that can be used: {source}", file = .file.display())]
+    #[error("{file}: cannot be decoded as an image: {source}", file = .file.display())]
     Image {
         /// The file.
         file: PathBuf,
@@ -77,9 +79,9 @@ pub enum InputError {
     LargeImage {
         /// The file.
         file: PathBuf,
-        /// Columns.
+        /// Its columns.
         width: u32,
-        /// Rows.
+        /// Its rows.
         height: u32,
         /// The largest number of texels.
         most: u64,

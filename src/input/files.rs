@@ -1,21 +1,22 @@
+//! Reads input files and hashes their contents.
+
 use super::error::InputError;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Reads input files and remembers what was in them, so that frames can be told to be of these
-/// inputs and no others.
+/// Reads input files and hashes their contents, which identify the inputs of frames.
 #[derive(Debug, Default)]
 pub struct InputFiles {
-    /// Of the contents, in the order in which they were read.
+    /// Hashes of the contents, in the order in which the files were read.
     hashes: Vec<blake3::Hash>,
 }
 
 impl InputFiles {
-    /// The bytes of a file that the user named. Refuses what is not a file, which may have no end.
+    /// The bytes of a file that the user named. An error if it is not a regular file: a device may have no end.
     pub fn read(&mut self, file: &Path) -> Result<Vec<u8>, InputError> {
         let bytes = match fs::metadata(file) {
-            Ok(is) if !is.is_file() => Err(io::Error::other("it is not a file with bytes in it")),
+            Ok(is) if !is.is_file() => Err(io::Error::other("it is not a regular file")),
             _ => fs::read(file),
         };
         let bytes = bytes.map_err(|source| InputError::Read {
@@ -26,7 +27,7 @@ impl InputFiles {
         Ok(bytes)
     }
 
-    /// The bytes of the file that `key` of the file `from` names.
+    /// The bytes of a file that the file `from` names at `key`.
     pub fn read_reference(
         &mut self,
         file: &Path,
@@ -44,8 +45,7 @@ impl InputFiles {
         })
     }
 
-    /// A hash of the contents of all files read so far, each as what it was read; their names and places do not
-    /// count.
+    /// A hash of the contents of all files read so far, in their order. Names and folders do not count.
     pub fn fingerprint(&self) -> blake3::Hash {
         let mut hasher = blake3::Hasher::new();
         for hash in &self.hashes {
@@ -55,7 +55,7 @@ impl InputFiles {
     }
 }
 
-/// `name` as it stands in `file`: relative to that file's folder, with either kind of slash.
+/// The path of the file that `file` names as `name`: relative to that file's folder, with either kind of slash.
 pub(crate) fn relative_to(file: &Path, name: &str) -> PathBuf {
     let name = name.trim().replace('\\', "/");
     file.parent().unwrap_or(Path::new("")).join(name)

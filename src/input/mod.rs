@@ -1,9 +1,8 @@
-//! Files in, resolved scene and camera path out: the only place that knows file syntax, units of
-//! the files, defaults and relative names.
+//! Scene files, models, material libraries and textures, parsed, checked and resolved to a
+//! [`Scene`](crate::scene::Scene) and [`Settings`].
 //!
-//! Colours in files are linear RGB, lengths metres, angles degrees, times seconds. Whatever is
-//! wrong is refused with the file and the place; whatever is left out of the picture is said in a
-//! warning.
+//! Colours in files are linear RGB, lengths metres, angles degrees, times seconds. Whatever is wrong is an
+//! [`InputError`] with the file and the place in it; whatever a file asks for and does not get is a warning.
 
 pub(crate) mod check;
 mod error;
@@ -22,4 +21,4 @@ mod unused;
 pub use error::InputError;
 pub use files::InputFiles;
 pub use scene_loader::{SceneInput, load_scene};
-pub use settings_file::{GlobalIllumination, LEAST_TARGET_ERROR, Mode, Settings, SettingsError};
+pub use settings_file::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Settings, SettingsError};

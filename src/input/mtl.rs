@@ -18,7 +18,7 @@ pub(super) struct ObjMaterial {
     pub(super) reflective: Vec3,
 }
 
-/// A texture of an MTL file and where it is named.
+/// A texture of an MTL file, and the file and key that name it.
 #[derive(Debug)]
 pub(super) struct ObjTexture {
     pub(super) file: PathBuf,
@@ -26,19 +26,19 @@ pub(super) struct ObjTexture {
     pub(super) key: String,
 }
 
-/// The largest exponent of a highlight.
-pub(super) const SHARPEST: f64 = 1e6;
+/// The largest exponent of a Phong highlight.
+pub(super) const MAX_SHININESS: f64 = 1e6;
 
-/// The libraries of one model.
+/// The material libraries of one model.
 #[derive(Default)]
 pub(super) struct Libraries {
-    /// The materials of one library after the other, as tobj numbers them.
+    /// The materials of all libraries, in the order of tobj's indices.
     pub(super) materials: Vec<ObjMaterial>,
-    /// What they ask for and do not get.
+    /// About statements that are not supported.
     pub(super) warnings: Vec<String>,
 }
 
-/// Materials, and their numbers by name.
+/// Materials, and their indices by name.
 type Library = (Vec<tobj::Material>, HashMap<String, usize>);
 
 impl Libraries {
@@ -66,7 +66,7 @@ impl Libraries {
         };
         for (number, material) in loaded.0.iter().enumerate() {
             if loaded.1[&material.name] != number {
-                unused.add("material whose name stands again below");
+                unused.add("material whose name is defined again below");
             }
             let resolved = resolve(library, material, &mut unused);
             if resolved.texture.is_some() && resolved.diffuse == Vec3::ZERO {
@@ -83,8 +83,8 @@ impl Libraries {
     }
 }
 
-/// Checks a statement that is used and writes it as tobj needs it, which takes colours of three numbers
-/// only; counts others, if they ask for anything.
+/// Checks a statement that is used and writes it for tobj, which takes colours of three numbers only; counts statements
+/// that are not supported, unless they leave the picture as it is.
 fn prepare(keyword: &str, rest: &str, out: &mut String, unused: &mut Unused) -> Result<(), String> {
     let words = words(rest);
     match keyword {
@@ -119,7 +119,7 @@ fn prepare(keyword: &str, rest: &str, out: &mut String, unused: &mut Unused) -> 
             return Err(message.to_owned());
         }
         "map_Kd" => write_statement(out, keyword, &[rest]),
-        // Ambient light meets the diffuse colour, and nothing is seen through.
+        // The ambient term uses the diffuse colour, and nothing is refractive.
         "Ka" | "map_Ka" | "Ni" => {}
         "d" if matches!(words[..], [d] if d.parse().is_ok_and(|d: f64| d >= 1.0)) => {}
         _ => unused.add(&format!("`{keyword}`")),
@@ -127,24 +127,24 @@ fn prepare(keyword: &str, rest: &str, out: &mut String, unused: &mut Unused) -> 
     Ok(())
 }
 
-/// Kd times map_Kd is diffuse. Ks and Ns are the highlight, unless `illum` says that there is none
-/// (0, 1). `illum` 3 and 5 ask for reflection: a mirror of the share Ks.
+/// The diffuse reflectance is Kd times map_Kd. Ks and Ns are the highlight, unless `illum` is 0 or 1. With `illum` 3 or
+/// 5, Ks is the mirror reflectance as well.
 fn resolve(library: &Path, material: &tobj::Material, unused: &mut Unused) -> ObjMaterial {
     let illumination = material.illumination_model;
     let mut color = |name: &str, value: Option<[f64; 3]>, default: f64| {
         let color = DVec3::from_array(value.unwrap_or([default; 3]));
         let clamped = color.clamp(DVec3::ZERO, DVec3::ONE);
         if clamped != color {
-            unused.add(&format!("`{name}` beyond 0 to 1 (cut to it)"));
+            unused.add(&format!("`{name}` outside 0 to 1 (clamped)"));
         }
         clamped.as_vec3()
     };
     let diffuse = color("Kd", material.diffuse, 1.0);
     let specular = color("Ks", material.specular, 0.0);
     let given = material.shininess.unwrap_or(0.0);
-    let shininess = given.clamp(0.0, SHARPEST);
+    let shininess = given.clamp(0.0, MAX_SHININESS);
     if shininess != given {
-        unused.add(&format!("`Ns` beyond 0 to {SHARPEST} (cut to it)"));
+        unused.add(&format!("`Ns` outside 0 to {MAX_SHININESS} (clamped)"));
     }
     ObjMaterial {
         diffuse,
@@ -210,7 +210,7 @@ mod tests {
                 "newmtl a\nmap_Kd -s 1 1 1 t.png\n",
                 ":2: `map_Kd`: options are not supported",
             ),
-            ("newmtl a\nKd 1 1 \\\n1\nKd 1\0", ":4: holds a zero byte"),
+            ("newmtl a\nKd 1 1 \\\n1\nKd 1\0", ":4: contains a zero byte"),
         ] {
             let error = load_text(text).map(|_| ()).expect_err(text).to_string();
             assert!(error.contains(&format!("m.mtl{expected}")), "{error}");
@@ -237,8 +237,8 @@ mod tests {
         let (_, unused) = warning.split_once("m.mtl: ").expect("the file");
         assert_eq!(
             unused,
-            "not used: 2 `Ke`, 1 `Ks` beyond 0 to 1 (cut to it), 2 `Ns` beyond 0 to 1000000 (cut \
-             to it), 1 `Tr`, 1 `d`, 1 `illum` above 5, 1 `map_Ks`, 1 `map_kd`, 1 other kinds"
+            "not used: 2 `Ke`, 1 `Ks` outside 0 to 1 (clamped), 2 `Ns` outside 0 to 1000000 \
+             (clamped), 1 `Tr`, 1 `d`, 1 `illum` above 5, 1 `map_Ks`, 1 `map_kd`, 1 other kinds"
         );
     }
 }

@@ -1,4 +1,4 @@
-//! OBJ models, parsed by tobj.
+//! OBJ models (Wavefront, "Advanced Visualizer Manual", appendix B1), parsed by tobj.
 
 use super::error::InputError;
 use super::files::{InputFiles, relative_to};
@@ -10,25 +10,25 @@ use glam::{DVec2, DVec3, Vec2};
 use std::cell::RefCell;
 use std::path::Path;
 
-/// A model as its file describes it, in its own coordinates.
+/// A model in its own coordinates.
 #[derive(Debug)]
 pub(super) struct ObjModel {
     pub(super) parts: Vec<ObjPart>,
     pub(super) materials: Vec<ObjMaterial>,
-    /// What the file asks for and does not get.
+    /// About what is not supported or looks wrong.
     pub(super) warnings: Vec<String>,
 }
 
-/// The triangles of one object and one material.
+/// The triangles of one object with one material.
 #[derive(Debug)]
 pub(super) struct ObjPart {
     pub(super) positions: Vec<DVec3>,
-    /// Empty, or one for each position, of any length.
+    /// Empty, or one for each position; not normalized.
     pub(super) normals: Vec<DVec3>,
     /// Empty, or one for each position.
     pub(super) uvs: Vec<Vec2>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// An index of the model's materials.
+    /// An index into the model's materials.
     pub(super) material: Option<usize>,
 }
 
@@ -50,7 +50,7 @@ pub(super) fn load(
     let mut statements = Statements::new(&text, |keyword, rest, out| {
         check.prepare(keyword, rest, out)
     });
-    // tobj goes on without a library that cannot be loaded; this keeps the reason.
+    // tobj ignores a library that cannot be loaded; this keeps the error.
     let state = RefCell::new((files, Libraries::default(), None));
     let loaded = tobj::load_obj_buf(&mut statements, &options, |name| {
         let (files, libraries, failure) = &mut *state.borrow_mut();
@@ -79,7 +79,7 @@ pub(super) fn load(
     warnings.extend(check.unused.warning(file));
     let mut warn = |message: String| warnings.push(format!("{}: {message}", file.display()));
     if parts.iter().all(|part| part.triangles.is_empty()) {
-        warn("there are no faces, so nothing of it is seen".to_owned());
+        warn("has no faces, so it is invisible".to_owned());
     }
     if crossed > 0 {
         warn(format!(
@@ -91,8 +91,8 @@ pub(super) fn load(
     let bare: usize = bare.map(|part| part.triangles.len()).sum();
     if with_materials && bare > 0 {
         warn(format!(
-            "{bare} triangles name no material of its libraries and are made grey; give the object \
-             a `material`"
+            "{bare} triangles have no material of its libraries and are grey; give the object a \
+             `material`"
         ));
     }
     Ok(ObjModel {
@@ -102,7 +102,7 @@ pub(super) fn load(
     })
 }
 
-/// Cuts a mesh into triangles. Counts faces that may be `crossed`.
+/// Triangulates a mesh. Counts the faces that are cut into fans, as they may be `crossed`: intersect themselves.
 fn part(mesh: tobj::Mesh, crossed: &mut usize) -> ObjPart {
     let positions = triples(&mesh.positions);
     let (uvs, _) = mesh.texcoords.as_chunks();
@@ -110,7 +110,7 @@ fn part(mesh: tobj::Mesh, crossed: &mut usize) -> ObjPart {
     let mut rest = &mesh.indices[..];
     let mut arities = mesh.face_arities.iter();
     while !rest.is_empty() {
-        // There are no arities if all are triangles.
+        // tobj gives no arities if all faces are triangles.
         let arity = arities.next().map_or(3, |&arity| arity as usize);
         let (face, others) = rest.split_at(arity);
         let vertices: Vec<DVec3> = face.iter().map(|&i| positions[i as usize]).collect();
@@ -165,7 +165,7 @@ mod tests {
         assert_eq!(part.normals, [DVec3::Z * 2.0; 5]);
         assert!(part.uvs.is_empty());
         assert_eq!(model.warnings.len(), 1);
-        assert!(model.warnings[0].contains("3 triangles name no material"));
+        assert!(model.warnings[0].contains("3 triangles have no material"));
     }
 
     #[test]
@@ -194,7 +194,7 @@ mod tests {
             ),
             ("usemtl\n", "x.obj:1: `usemtl` has no name after it"),
             ("\nv 0 \\\n0 0\n \\\n\nv 1\n", "x.obj:6: `v` has 1"),
-            ("\nv\0\n", "x.obj:2: holds a zero byte"),
+            ("\nv\0\n", "x.obj:2: contains a zero byte"),
         ] {
             let error = load_text(text).expect_err(text).to_string();
             assert!(error.starts_with(expected), "{error}");
@@ -253,10 +253,7 @@ mod tests {
         ] {
             let model = load_text(nothing).expect("nothing");
             let last = model.warnings.last().map(String::as_str);
-            assert_eq!(
-                last,
-                Some("x.obj: there are no faces, so nothing of it is seen")
-            );
+            assert_eq!(last, Some("x.obj: has no faces, so it is invisible"));
         }
     }
 

@@ -1,4 +1,6 @@
-use super::check::LARGEST;
+//! Checks OBJ statements before tobj parses them.
+
+use super::check::MAX_MAGNITUDE;
 use super::statements::{numbers, words, write_statement};
 use super::unused::Unused;
 use std::fmt::Write;
@@ -66,8 +68,10 @@ impl ObjCheck {
         };
         let numbers = numbers(keyword, words)?;
         match (keyword, &numbers[..]) {
-            ("v", [x, y, z, w]) if ![x, y, z].iter().all(|&x| (x / w).abs() <= LARGEST) => {
-                return Err(format!("`v`: its weight {w} takes it beyond {LARGEST:e}"));
+            ("v", [x, y, z, w]) if ![x, y, z].iter().all(|&x| (x / w).abs() <= MAX_MAGNITUDE) => {
+                return Err(format!(
+                    "`v`: its weight {w} takes it beyond {MAX_MAGNITUDE:e}"
+                ));
             }
             ("v", [_, _, _] | [_, _, _, _]) | ("vt", [_, _]) | ("vn", [_, _, _]) => {
                 write_statement(out, keyword, words);

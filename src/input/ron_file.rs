@@ -1,3 +1,5 @@
+//! RON files: parsing with positions in errors, and fields of special shapes.
+
 use super::error::InputError;
 use ron::extensions::Extensions;
 use serde::Deserialize;
@@ -7,7 +9,7 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::path::Path;
 
-/// Parses a RON file. `Some(...)` and the second brackets of a variant may be left out.
+/// Parses a RON file. `Some(...)` and the inner brackets of a newtype variant may be left out.
 pub(crate) fn parse<T: DeserializeOwned>(file: &Path, bytes: &[u8]) -> Result<T, InputError> {
     let extensions = Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES;
     let options = ron::Options::default().with_default_extension(extensions);
@@ -20,7 +22,7 @@ pub(crate) fn parse<T: DeserializeOwned>(file: &Path, bytes: &[u8]) -> Result<T,
     let text = str::from_utf8(bytes).map_err(|error| {
         let before = String::from_utf8_lossy(&bytes[..error.valid_up_to()]);
         let last = before.rsplit('\n').next().unwrap_or_default();
-        let message = "what stands here is not UTF-8; save the file as UTF-8".to_owned();
+        let message = "not valid UTF-8; save the file as UTF-8".to_owned();
         fault(
             before.split('\n').count(),
             last.chars().count() + 1,
@@ -35,7 +37,7 @@ pub(crate) fn parse<T: DeserializeOwned>(file: &Path, bytes: &[u8]) -> Result<T,
         })
 }
 
-/// Deserialises a map in which no key may stand twice.
+/// Deserialises a map in which no key may occur twice.
 pub(crate) fn unique_keys<'de, D, T>(deserializer: D) -> Result<BTreeMap<String, T>, D::Error>
 where
     D: Deserializer<'de>,
@@ -54,7 +56,7 @@ where
             let mut map = BTreeMap::new();
             while let Some((key, value)) = access.next_entry::<String, T>()? {
                 if map.contains_key(&key) {
-                    let message = format!("the name \"{key}\" stands twice; rename one of them");
+                    let message = format!("the name \"{key}\" is used twice; rename one of them");
                     return Err(A::Error::custom(message));
                 }
                 map.insert(key, value);

@@ -1,4 +1,4 @@
-//! The syntax of scene files.
+//! The syntax of scene files: serde structures that mirror them.
 //!
 //! ```ron
 #![doc = include_str!("../../scenes/test.ron")]
@@ -22,7 +22,7 @@ pub(super) struct SceneFile {
     #[serde(default, deserialize_with = "ron_file::unique_keys")]
     pub(super) materials: BTreeMap<String, MaterialFile>,
     #[serde(default)]
-    pub(super) lights: Vec<CacheFile>,
+    pub(super) lights: Vec<LightFile>,
     pub(super) objects: Vec<ObjectFile>,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct MaterialFile {
 
 #[derive(Deserialize)]
 #[serde(rename = "Light", deny_unknown_fields)]
-pub(super) struct CacheFile {
+pub(super) struct LightFile {
     pub(super) position: Triple,
     pub(super) intensity: Triple,
     #[serde(default)]

@@ -1,12 +1,12 @@
-//! Turns scene files, and every file that they name, into scenes.
+//! Loads a scene file and every file that it names, checks the values and builds the scene.
 
-use super::check::{BRIGHTEST, Checker, LARGEST, Triple};
+use super::check::{Checker, MAX_MAGNITUDE, MAX_RADIANCE, MIN_SIZE, Triple};
 use super::error::InputError;
 use super::files::{InputFiles, relative_to};
-use super::mtl::SHARPEST;
+use super::mtl::MAX_SHININESS;
 use super::obj::{self, ObjModel};
 use super::scene_file::{
-    CacheFile, FalloffFile, MaterialFile, ModelFile, ObjectFile, SceneFile, SphereFile,
+    FalloffFile, LightFile, MaterialFile, ModelFile, ObjectFile, SceneFile, SphereFile,
     TriangleFile, one,
 };
 use super::settings_file::Settings;
@@ -20,18 +20,18 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// A scene, the settings that stand with it, and what to tell the user of it.
+/// A scene and what else its file holds.
 #[derive(Debug)]
 pub struct SceneInput {
     /// The resolved scene.
     pub scene: Scene,
-    /// Settings of the file.
+    /// The render settings of the file.
     pub settings: Settings,
-    /// How many objects the file names.
+    /// The number of objects in the file.
     pub object_count: usize,
-    /// The names of the textures, in the order of the scene's.
+    /// The files of the scene's textures, in their order.
     pub texture_files: Vec<PathBuf>,
-    /// What is not as the files may mean it.
+    /// About what files ask for and do not get, and what may be a mistake.
     pub warnings: Vec<String>,
 }
 
@@ -47,8 +47,8 @@ pub fn load_scene(file: &Path, files: &mut InputFiles) -> Result<SceneInput, Inp
         check,
         files,
         builder: SceneBuilder {
-            ambient: check.color("ambient", parsed.ambient, BRIGHTEST)?,
-            background: check.color("background", parsed.background, BRIGHTEST)?,
+            ambient: check.color("ambient", parsed.ambient, MAX_RADIANCE)?,
+            background: check.color("background", parsed.background, MAX_RADIANCE)?,
             ..SceneBuilder::default()
         },
         materials: HashMap::new(),
@@ -81,7 +81,7 @@ pub fn load_scene(file: &Path, files: &mut InputFiles) -> Result<SceneInput, Inp
     let (scene, dropped) = builder.build();
     if dropped > 0 {
         warnings.push(format!(
-            "{}: {dropped} triangles without area are left out",
+            "{}: {dropped} triangles have no area and are dropped",
             file.display()
         ));
     }
@@ -102,14 +102,14 @@ struct Loader<'a> {
     check: Checker<'a>,
     files: &'a mut InputFiles,
     builder: SceneBuilder,
-    /// Numbers of the scene file's materials by name.
+    /// Indices of the scene file's materials by name.
     materials: HashMap<String, usize>,
-    /// Numbers of textures by file.
+    /// Indices of textures by file.
     textures: HashMap<PathBuf, usize>,
     texture_files: Vec<PathBuf>,
-    /// Models that were loaded, by file and by whether their own materials were.
+    /// Models that are loaded, by file and by whether with their own materials.
     models: HashMap<(PathBuf, bool), LoadedModel>,
-    /// What faces without a material are made of, once there are any.
+    /// The material of faces without one, once there are any.
     grey: Option<usize>,
     warnings: Vec<String>,
 }
@@ -117,7 +117,7 @@ struct Loader<'a> {
 #[derive(Clone)]
 struct LoadedModel {
     model: Rc<ObjModel>,
-    /// The scene's number of the model's first material; the others follow it.
+    /// The scene's index of the model's first material; the others follow it.
     first_material: usize,
 }
 
@@ -140,8 +140,9 @@ impl Loader<'_> {
         let material = Material {
             diffuse: check.color(&key("diffuse"), material.diffuse.unwrap_or(default), 1.0)?,
             texture,
-            specular: check.color(&key("specular"), material.specular, BRIGHTEST)?,
-            shininess: check.range(&key("shininess"), material.shininess, 0.0, SHARPEST)? as f32,
+            specular: check.color(&key("specular"), material.specular, MAX_RADIANCE)?,
+            shininess: check.range(&key("shininess"), material.shininess, 0.0, MAX_SHININESS)?
+                as f32,
             reflective: check.color(&key("reflective"), material.reflective, 1.0)?,
         };
         let number = self.new_material(material);
@@ -184,12 +185,12 @@ impl Loader<'_> {
         Ok(number)
     }
 
-    fn add_light(&mut self, index: usize, light: &CacheFile) -> Result<(), InputError> {
+    fn add_light(&mut self, index: usize, light: &LightFile) -> Result<(), InputError> {
         let key = |field: &str| format!("lights[{index}].{field}");
         let position = self.check.vector(&key("position"), light.position)?;
         let intensity = self
             .check
-            .color(&key("intensity"), light.intensity, BRIGHTEST)?;
+            .color(&key("intensity"), light.intensity, MAX_RADIANCE)?;
         let falloff = match light.falloff {
             FalloffFile::InverseSquare => Falloff::InverseSquare,
             FalloffFile::Constant => Falloff::Constant,
@@ -212,7 +213,7 @@ impl Loader<'_> {
     ) -> Result<(Transform, DVec3), InputError> {
         let field = |name: &str| format!("{key}.{name}");
         let scale = self.check.vector(&field("scale"), scale)?;
-        if scale.abs().min_element() < 1e-15 {
+        if scale.abs().min_element() < MIN_SIZE {
             return self
                 .check
                 .refuse(&field("scale"), format!("{scale}: no factor may be 0"));
@@ -223,13 +224,13 @@ impl Loader<'_> {
         Ok((Transform::new(scale, angles, translation), scale))
     }
 
-    /// A point of an object where its transform puts it.
+    /// A point of an object, transformed to world space.
     fn placed(&self, key: &str, transform: &Transform, p: DVec3) -> Result<DVec3, InputError> {
         let placed = transform.point(p);
-        if placed.abs().max_element() <= LARGEST {
+        if placed.abs().max_element() <= MAX_MAGNITUDE {
             return Ok(placed);
         }
-        let message = format!("its scale and translation take {p} beyond {LARGEST:e}");
+        let message = format!("its scale and translation take {p} beyond {MAX_MAGNITUDE:e}");
         self.check.refuse(key, message)
     }
 
@@ -239,8 +240,8 @@ impl Loader<'_> {
         let factors = scale.abs();
         if factors.min_element() != factors.max_element() {
             self.warnings.push(format!(
-                "{}: {key} is scaled unevenly; it stays a sphere, its radius times the largest \
-                 factor {}",
+                "{}: {key} has a non-uniform scale; it stays a sphere, with its radius scaled by the \
+                 largest factor, {}",
                 self.file.display(),
                 factors.max_element()
             ));
@@ -311,7 +312,7 @@ impl Loader<'_> {
             None => None,
         };
         let loaded = self.model(key, &object.file, own.is_none())?;
-        // Copies of materials with the object's own mirror, made once for each.
+        // Copies of materials with the object's own reflectance, by the index of the original.
         let mut mirrors: HashMap<usize, usize> = HashMap::new();
         for part in &loaded.model.parts {
             let mut material = match (own, part.material) {

@@ -1,3 +1,5 @@
+//! Render settings as scene files, path files and the command line give them.
+
 use crate::integrator::IntegratorSettings;
 use crate::render::{PixelSampling, RenderSettings};
 use serde::{Deserialize, Serialize};
@@ -5,18 +7,19 @@ use std::fmt;
 use std::str::FromStr;
 use thiserror::Error;
 
-/// How frames are rendered.
+/// The rendering technique and the default camera samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Mode {
-    /// Direct light, ambient light, mirrors.
+    /// Whitted ray tracing: direct light, a constant ambient term and mirror reflection; one sample at the pixel's
+    /// centre.
     #[default]
     Raytracing,
-    /// The same with four samples, in the pixel's corners.
+    /// As `Raytracing`, with four samples in the pixel's corners.
     Supersampling,
-    /// Light gathered from everywhere.
+    /// Global illumination: indirect diffuse light by Monte Carlo integration; one sample at the pixel's centre.
     Montecarlo,
-    /// The same with four samples, in the pixel's corners.
+    /// As `Montecarlo`, with four samples in the pixel's corners.
     MontecarloSupersampling,
 }
 
@@ -62,13 +65,13 @@ impl fmt::Display for Mode {
     }
 }
 
-/// How the montecarlo modes know the light that is gathered at what the camera sees.
+/// How the montecarlo modes compute indirect diffuse light at the points that the camera sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum GlobalIllumination {
-    /// It is gathered at every camera sample.
+    /// By path tracing from every camera sample: unbiased.
     PathTraced,
-    /// It is worked out once for the whole camera path, and looked up.
+    /// From an irradiance cache, baked once for the whole sequence.
     Cached,
 }
 
@@ -101,55 +104,55 @@ impl TryFrom<String> for GlobalIllumination {
     }
 }
 
-/// Render settings as far as one source gives them: a scene file, a path file or the command line.
+/// The render settings that one source gives: a scene file, a path file or the command line.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
-    /// How frames are rendered.
+    /// The rendering technique.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mode: Option<Mode>,
     /// Columns and rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<(u32, u32)>,
-    /// Camera samples for each pixel, spread over its square.
+    /// Camera samples per pixel, stratified over its square.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub samples: Option<u32>,
-    /// How many bounces are counted.
+    /// The largest number of bounces of a path.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bounces: Option<u32>,
-    /// How many paths go on from each diffuse bounce.
+    /// Splitting factors: the number of rays traced from the first diffuse bounce of a path, the second, and so on.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub splits: Option<Vec<u32>>,
-    /// Chooses the random numbers.
+    /// Seed of the sample points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u32>,
-    /// Whether all frames have the same random numbers.
+    /// Whether all frames use the same sample points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lock_seed: Option<bool>,
-    /// Exposure in stops.
+    /// Exposure, in stops.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<f32>,
-    /// Samples are added until a frame's relMSE is below this.
+    /// Adaptive sampling: samples are added until a frame's estimated relMSE is below this.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target_error: Option<f64>,
-    /// How gathered light is known.
+    /// How indirect diffuse light is computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub gi: Option<GlobalIllumination>,
 }
 
-/// A frame of 16,384 x 16,384: many gigabytes while it is rendered, about 20 in the montecarlo modes.
-const MOST_PIXELS: u32 = 1 << 28;
+/// 16,384 x 16,384: about 20 GB of memory in the montecarlo modes.
+const MAX_PIXELS: u32 = 1 << 28;
 
-/// Columns and rows, if nothing else is said.
+/// The default columns and rows.
 const SIZE: (u32, u32) = (1280, 720);
 
-/// The most columns of the frames of a preview.
+/// The largest number of columns of a preview.
 const PREVIEW_COLUMNS: u32 = 320;
 
-/// The least relMSE that can be asked for.
-pub const LEAST_TARGET_ERROR: f64 = 1e-6;
+/// The smallest target error.
+pub const MIN_TARGET_ERROR: f64 = 1e-6;
 
-/// A setting that cannot be rendered with.
+/// A setting that is out of range or does not go with another.
 #[derive(Debug, Error, PartialEq)]
 #[error("{key}: {message}")]
 pub struct SettingsError {
@@ -160,14 +163,14 @@ pub struct SettingsError {
 }
 
 impl SettingsError {
-    /// As the setting's flag on the command line has it.
+    /// The message with the setting's command line option in place of its name.
     pub fn of_flag(&self) -> String {
         format!("--{}: {}", self.key.replace('_', "-"), self.message)
     }
 }
 
 impl Settings {
-    /// These settings, and those of `weaker` where these say nothing.
+    /// These settings, completed by those of `weaker`.
     pub fn or(self, weaker: Settings) -> Settings {
         Settings {
             mode: self.mode.or(weaker.mode),
@@ -183,7 +186,7 @@ impl Settings {
         }
     }
 
-    /// Columns and rows of frames of the same shape, but of no more than so many columns.
+    /// Columns and rows of frames of the same aspect ratio, with at most so many columns.
     pub fn size_within(&self, columns: u32) -> (u32, u32) {
         let (width, height) = self.size.unwrap_or(SIZE);
         let columns = width.min(columns);
@@ -191,8 +194,8 @@ impl Settings {
         (columns, (rows.round() as u32).max(1))
     }
 
-    /// The settings of small frames that are made fast, to see how the camera moves: ray traced, 320 columns, one
-    /// sample in the middle of each pixel.
+    /// The settings of a preview of the camera's motion: raytracing, at most 320 columns, one sample at each pixel's
+    /// centre.
     pub fn preview(self) -> Settings {
         Settings {
             mode: Some(Mode::Raytracing),
@@ -205,7 +208,7 @@ impl Settings {
         }
     }
 
-    /// Refuses what cannot be rendered with.
+    /// Checks the range of every setting.
     pub fn check(&self) -> Result<(), SettingsError> {
         let within = |key, value: u32, least: u32, most: u32| {
             if (least..=most).contains(&value) {
@@ -217,9 +220,9 @@ impl Settings {
         if let Some((width, height)) = self.size {
             within("size", width, 1, 32_768)?;
             within("size", height, 1, 32_768)?;
-            if width * height > MOST_PIXELS {
+            if width * height > MAX_PIXELS {
                 let key = "size";
-                let message = format!("{width}x{height} are more than {MOST_PIXELS} pixels");
+                let message = format!("{width}x{height} are more than {MAX_PIXELS} pixels");
                 return Err(SettingsError { key, message });
             }
         }
@@ -242,9 +245,9 @@ impl Settings {
             });
         }
         if let Some(target) = self.target_error
-            && !(LEAST_TARGET_ERROR..=1.0).contains(&target)
+            && !(MIN_TARGET_ERROR..=1.0).contains(&target)
         {
-            let message = format!("{target} is not between {LEAST_TARGET_ERROR} and 1");
+            let message = format!("{target} is not between {MIN_TARGET_ERROR} and 1");
             return Err(SettingsError {
                 key: "target_error",
                 message,
@@ -253,36 +256,38 @@ impl Settings {
         Ok(())
     }
 
-    /// Refuses settings of which one makes no sense beside another, once all sources are put together.
+    /// Checks that settings go together, once all sources are combined.
     pub fn check_together(&self) -> Result<(), SettingsError> {
         let mode = self.mode.unwrap_or_default();
-        let by_chance = matches!(mode, Mode::Montecarlo | Mode::MontecarloSupersampling);
-        if self.target_error.is_some() && !by_chance {
+        let has_noise = matches!(mode, Mode::Montecarlo | Mode::MontecarloSupersampling);
+        if self.target_error.is_some() && !has_noise {
             return Err(SettingsError {
                 key: "target_error",
-                message: format!("{mode} has no noise to be made less; choose a montecarlo mode"),
+                message: format!(
+                    "{mode} has no Monte Carlo noise to reduce; choose a montecarlo mode"
+                ),
             });
         }
         if self.gi == Some(GlobalIllumination::Cached) {
             let wrong = |message: String| SettingsError { key: "gi", message };
-            if !by_chance {
+            if !has_noise {
                 return Err(wrong(format!(
-                    "{mode} gathers no light; choose a montecarlo mode"
+                    "{mode} has no indirect light to cache; choose a montecarlo mode"
                 )));
             }
         }
         Ok(())
     }
 
-    /// How gathered light is known in a sequence of so many frames. Where nothing says so: looked up in
-    /// montecarlo sequences of more than one, unless `splits` say how it is gathered.
+    /// How indirect diffuse light is computed in a sequence of so many frames. The default is `Cached` in montecarlo
+    /// sequences of more than one frame without `splits`, and else `PathTraced`.
     pub fn global_illumination(&self, frames: u32) -> GlobalIllumination {
-        let gathers = !matches!(
+        let has_indirect = !matches!(
             self.mode.unwrap_or_default(),
             Mode::Raytracing | Mode::Supersampling
         );
         self.gi
-            .unwrap_or(if gathers && frames > 1 && self.splits.is_none() {
+            .unwrap_or(if has_indirect && frames > 1 && self.splits.is_none() {
                 GlobalIllumination::Cached
             } else {
                 GlobalIllumination::PathTraced
@@ -360,7 +365,7 @@ mod tests {
     }
 
     #[test]
-    fn sequences_look_light_up_unless_something_else_is_said() {
+    fn montecarlo_sequences_are_cached_by_default() {
         use GlobalIllumination::{Cached, PathTraced};
         let known = |mode: Mode, splits: Option<Vec<u32>>, gi, frames| {
             let settings = Settings {

@@ -1,18 +1,18 @@
-//! The statements of an OBJ or MTL file, one by one, as tobj needs them.
+//! The statements of an OBJ or MTL file, given to tobj one by one.
 
-use super::check::LARGEST;
+use super::check::MAX_MAGNITUDE;
 use super::error::InputError;
 use std::borrow::Cow;
 use std::io::{self, BufRead, Read};
 use std::path::Path;
 
-/// The text of a file: UTF-8, or else Latin-1, as old programs write it.
+/// The text of a file: UTF-8 or else Latin-1, which older programs write.
 pub(super) fn text<'a>(file: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>, InputError> {
     if let Some(end) = bytes.iter().position(|&byte| byte == 0) {
         return Err(InputError::Model {
             file: file.to_owned(),
             line: 1 + bytes[..end].iter().filter(|&&byte| byte == b'\n').count(),
-            message: "holds a zero byte, as no text does; save it as UTF-8".to_owned(),
+            message: "contains a zero byte, so it is not text; save it as UTF-8".to_owned(),
         });
     }
     Ok(match str::from_utf8(bytes) {
@@ -21,11 +21,11 @@ pub(super) fn text<'a>(file: &Path, bytes: &'a [u8]) -> Result<Cow<'a, str>, Inp
     })
 }
 
-/// Gives a parser one statement at a time, after `prepare` has checked it and written it as the
-/// parser needs it, and knows its line.
+/// Gives a parser one statement at a time, which `prepare` has checked and rewritten for the parser, and keeps its line
+/// for errors.
 pub(super) struct Statements<'a, F> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
-    /// Where the last statement began, from 1.
+    /// The line on which the last statement began, from 1.
     line: usize,
     ready: String,
     taken: usize,
@@ -37,7 +37,7 @@ impl<'a, F> Statements<'a, F>
 where
     F: FnMut(&str, &str, &mut String) -> Result<(), String>,
 {
-    /// `prepare` is given a keyword, what stands after it, and where to write.
+    /// `prepare` is given a keyword, the rest of the statement, and the string to write to.
     pub(super) fn new(text: &'a str, prepare: F) -> Statements<'a, F> {
         Statements {
             lines: text.lines().enumerate(),
@@ -49,7 +49,7 @@ where
         }
     }
 
-    /// What was wrong when the parser stopped with `error`, in `file`.
+    /// The error of `file` after the parser stopped with `error`.
     pub(super) fn fault(self, file: &Path, error: tobj::LoadError) -> InputError {
         InputError::Model {
             file: file.to_owned(),
@@ -125,17 +125,18 @@ pub(super) fn words(rest: &str) -> Vec<&str> {
         .collect()
 }
 
-/// The words after a keyword as numbers that can be rendered.
+/// The words after a keyword as numbers of at most [`MAX_MAGNITUDE`].
 pub(super) fn numbers(keyword: &str, words: &[&str]) -> Result<Vec<f64>, String> {
     let number = |word: &&str| match word.parse::<f64>() {
-        Ok(number) if number.abs() <= LARGEST => Ok(number),
+        Ok(number) if number.abs() <= MAX_MAGNITUDE => Ok(number),
         _ => Err(format!(
-            "`{keyword}`: {word} is not a number between -{LARGEST:e} and {LARGEST:e}"
+            "`{keyword}`: {word} is not a number between -{MAX_MAGNITUDE:e} and {MAX_MAGNITUDE:e}"
         )),
     };
     words.iter().map(number).collect()
 }
 
+/// Appends a line with a statement.
 pub(super) fn write_statement(out: &mut String, keyword: &str, words: &[&str]) {
     out.push_str(keyword);
     for word in words {

@@ -1,3 +1,5 @@
+//! Decoding of texture images: PNG, JPEG, BMP and TGA.
+
 use super::error::InputError;
 use crate::texture::Texture;
 use image::error::{ImageFormatHint, UnsupportedError, UnsupportedErrorKind};
@@ -5,12 +7,12 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 use std::io::{self, Cursor};
 use std::path::Path;
 
-/// 16,384 x 16,384: a file of a few bytes can claim any number, and memory is taken for all of them.
-const MOST_TEXELS: u64 = 1 << 28;
+/// 16,384 x 16,384: a header can claim any size, and memory is allocated for all of it.
+const MAX_TEXELS: u64 = 1 << 28;
 
-/// Decodes a PNG, JPEG, BMP or TGA file. Also returns what of it is not used.
+/// Decodes an image file. Also returns a notice of what of it is not used.
 ///
-/// Files are decoded by content, or by name where the content does not tell.
+/// The format is told by the content, or by the file's name where the content does not tell.
 pub(super) fn decode(
     file: &Path,
     bytes: &[u8],
@@ -24,25 +26,25 @@ pub(super) fn decode(
         reader.set_format(format);
     }
     let reader = reader.with_guessed_format().map_err(|e| refuse(e.into()))?;
-    // Floats of linear light, which would be taken for sRGB.
+    // Its floats are linear and would be taken for sRGB.
     if reader.format() == Some(ImageFormat::OpenExr) {
         let format = ImageFormatHint::Exact(ImageFormat::OpenExr);
         let kind = UnsupportedErrorKind::Format(format.clone());
         let error = UnsupportedError::from_format_and_kind(format, kind);
         return Err(refuse(image::ImageError::Unsupported(error)));
     }
-    if reader.format() == Some(ImageFormat::Jpeg) && is_cut_jpeg(bytes) {
-        let error = io::Error::new(io::ErrorKind::UnexpectedEof, "the file is cut off");
+    if reader.format() == Some(ImageFormat::Jpeg) && is_truncated_jpeg(bytes) {
+        let error = io::Error::new(io::ErrorKind::UnexpectedEof, "the file is truncated");
         return Err(refuse(error.into()));
     }
     let decoder = reader.into_decoder().map_err(refuse)?;
     let (width, height) = decoder.dimensions();
-    if u64::from(width) * u64::from(height) > MOST_TEXELS {
+    if u64::from(width) * u64::from(height) > MAX_TEXELS {
         return Err(InputError::LargeImage {
             file: file.to_owned(),
             width,
             height,
-            most: MOST_TEXELS,
+            most: MAX_TEXELS,
         });
     }
     let image = DynamicImage::from_decoder(decoder).map_err(refuse)?;
@@ -58,9 +60,9 @@ pub(super) fn decode(
     Ok((texture, notice))
 }
 
-/// Whether the end is missing, in place of which the decoder would give grey: no end of image stands
-/// after the start of the first scan. What comes before that is in segments that tell their length.
-fn is_cut_jpeg(bytes: &[u8]) -> bool {
+/// Whether the end of a JPEG file is missing, which the decoder would fill with grey: no end-of-image marker follows the
+/// start of the first scan. The segments before that give their lengths.
+fn is_truncated_jpeg(bytes: &[u8]) -> bool {
     const START_OF_SCAN: u8 = 0xda;
     const END_OF_IMAGE: [u8; 2] = [0xff, 0xd9];
     let mut rest = bytes.get(2..).unwrap_or_default();
@@ -75,7 +77,7 @@ fn is_cut_jpeg(bytes: &[u8]) -> bool {
         let length = 2 + usize::from(u16::from_be_bytes([*high, *low]));
         rest = rest.get(length..).unwrap_or_default();
     }
-    // No scan: the decoder says so.
+    // No scan: the decoder reports it.
     false
 }
 

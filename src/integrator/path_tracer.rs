@@ -164,7 +164,7 @@ impl<F: Features> PathTracer<'_, F> {
         let point = &surface.point;
         let distance = (point.position - path.ray.origin).length();
         let bounces_left = self.bounces - path.depth;
-        cache.light(point.position, point.shading_normal, bounces_left, distance)
+        cache.mean_radiance(point.position, point.shading_normal, bounces_left, distance)
     }
 
     /// Adds the radiance of split paths to that of their parents, which end at `surfaces`.

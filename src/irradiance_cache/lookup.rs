@@ -1,48 +1,56 @@
-use super::IrradianceRecords;
-use super::primary::LinearIrradiance;
+//! Interpolation between records at a packet of points: the modified Shepard method, in lanes.
+
+use super::linear::LinearIrradiance;
 use super::record::{HEIGHT, IrradianceRecord};
+use super::records::IrradianceRecords;
 use crate::math::Aabb;
-use crate::simd::PACKET_WIDTH;
+use crate::simd::{PACKET_WIDTH, Simd, WithSimd};
 use glam::Vec3;
 
-/// So many points are looked up together.
+/// Points that are looked up together.
 pub(super) const LANES: usize = PACKET_WIDTH;
 
 type Lanes = [f32; LANES];
 
-/// The mean of what the places with the numbers given say at points with unit normals; none where they say
-/// nothing. Each point gets what it would get alone.
-#[inline(always)]
-pub(super) fn lights(
-    points: &[(Vec3, Vec3); LANES],
-    numbers: &[u32],
-    places: &IrradianceRecords,
-    light: &[LinearIrradiance],
-) -> [Option<Vec3>; LANES] {
-    let mut look_up = LookUp::new(points, places.turn());
-    for &number in numbers {
-        let number = number as usize;
-        look_up.add(&places[number], &light[number]);
-    }
-    look_up.lights()
+/// The weighted mean of the values of the candidate records at points with unit normals; none where no candidate
+/// covers a point. The result at a point does not depend on the other points.
+pub(super) struct Interpolate<'a> {
+    pub(super) points: &'a [(Vec3, Vec3); LANES],
+    pub(super) candidates: &'a [u32],
+    pub(super) records: &'a IrradianceRecords,
+    pub(super) values: &'a [LinearIrradiance],
 }
 
-/// Points, coordinate by coordinate, and the sums of what places say there. Plain loops over lanes, which
-/// become vector code; no lane knows of another.
-struct LookUp {
+impl WithSimd for Interpolate<'_> {
+    type Output = [Option<Vec3>; LANES];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self) -> [Option<Vec3>; LANES] {
+        let mut sums = WeightedSums::new(self.points, self.records.normal_weight());
+        for &number in self.candidates {
+            let number = number as usize;
+            sums.add(&self.records[number], &self.values[number]);
+        }
+        sums.means()
+    }
+}
+
+/// Points, as structure of arrays, and the weighted sums of values there. Plain loops over independent lanes,
+/// which compile to vector code.
+struct WeightedSums {
     position: [Lanes; 3],
     normal: [Lanes; 3],
-    turn: f32,
-    /// The middle of the points, and how far they are from it.
+    normal_weight: f32,
+    /// Bounding sphere of the points.
     center: Vec3,
-    extent: f32,
+    bounding_radius: f32,
     sums: [Lanes; 3],
     weights: Lanes,
 }
 
-impl LookUp {
+impl WeightedSums {
     #[inline(always)]
-    fn new(points: &[(Vec3, Vec3); LANES], turn: f32) -> LookUp {
+    fn new(points: &[(Vec3, Vec3); LANES], normal_weight: f32) -> WeightedSums {
         let (mut position, mut normal) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
         for (lane, (p, n)) in points.iter().enumerate() {
             for axis in 0..3 {
@@ -51,68 +59,69 @@ impl LookUp {
             }
         }
         let bounds = Aabb::of(points.iter().map(|(position, _)| *position));
-        LookUp {
+        WeightedSums {
             position,
             normal,
-            turn,
+            normal_weight,
             center: bounds.center(),
-            extent: 0.5 * bounds.extent().length(),
+            bounding_radius: 0.5 * bounds.extent().length(),
             sums: [[0.0; LANES]; 3],
             weights: [0.0; LANES],
         }
     }
 
-    /// Whether a place may reach any of the points.
+    /// Whether a record may cover any of the points.
     #[inline]
-    fn may_reach(&self, place: &IrradianceRecord) -> bool {
+    fn may_cover(&self, record: &IrradianceRecord) -> bool {
         const ROUNDING: f32 = 1.001;
-        let reach = ROUNDING * (place.radius + self.extent);
-        place.position.distance_squared(self.center) < reach * reach
+        let distance = ROUNDING * (record.radius + self.bounding_radius);
+        record.position.distance_squared(self.center) < distance * distance
     }
 
-    /// Adds what a place says, with its [`IrradianceRecord::weight`].
+    /// Adds a record's value, with its [`IrradianceRecord::weight`] for a support radius of 1.
     #[inline(always)]
-    fn add(&mut self, place: &IrradianceRecord, light: &LinearIrradiance) {
-        if !self.may_reach(place) {
+    fn add(&mut self, record: &IrradianceRecord, value: &LinearIrradiance) {
+        if !self.may_cover(record) {
             return;
         }
         let [px, py, pz] = &self.position;
         let [nx, ny, nz] = &self.normal;
-        let (p, n) = (place.position, place.normal);
-        let scale = 1.0 / (place.radius * place.radius);
+        let (p, n) = (record.position, record.normal);
+        let scale = 1.0 / (record.radius * record.radius);
         let mut weights = [0.0; LANES];
         for (lane, weight) in weights.iter_mut().enumerate() {
             let (x, y, z) = (px[lane] - p.x, py[lane] - p.y, pz[lane] - p.z);
             let height = x * n.x + y * n.y + z * n.z;
             let squared = x * x + y * y + z * z + HEIGHT * height * height;
             let cos = nx[lane] * n.x + ny[lane] * n.y + nz[lane] * n.z;
-            let rest = (1.0 - (squared * scale + (1.0 - cos) * self.turn)).max(0.0);
+            let rest = (1.0 - (squared * scale + (1.0 - cos) * self.normal_weight)).max(0.0);
             *weight = rest * rest * scale;
         }
-        if is_none(&weights) {
+        if all_zero(&weights) {
             return;
         }
-        for plane in place.walls.planes() {
+        for plane in record.occluders.planes() {
             for (lane, weight) in weights.iter_mut().enumerate() {
-                let before = plane.x * px[lane] + plane.y * py[lane] + plane.z * pz[lane] + plane.w;
-                *weight = if before < 0.0 { 0.0 } else { *weight };
+                let distance =
+                    plane.x * px[lane] + plane.y * py[lane] + plane.z * pz[lane] + plane.w;
+                *weight = if distance < 0.0 { 0.0 } else { *weight };
             }
         }
         for (sum, weight) in self.weights.iter_mut().zip(weights) {
             *sum += weight;
         }
         for (channel, sums) in self.sums.iter_mut().enumerate() {
-            let (middle, gradient) = (light.light[channel], light.gradient[channel]);
+            let (center, gradient) = (value.mean_radiance[channel], value.gradient[channel]);
             for (lane, sum) in sums.iter_mut().enumerate() {
                 let (x, y, z) = (px[lane] - p.x, py[lane] - p.y, pz[lane] - p.z);
-                let light = middle + (gradient.x * x + gradient.y * y + gradient.z * z);
-                *sum += weights[lane] * light;
+                let value = center + (gradient.x * x + gradient.y * y + gradient.z * z);
+                *sum += weights[lane] * value;
             }
         }
     }
 
     #[inline(always)]
-    fn lights(&self) -> [Option<Vec3>; LANES] {
+    fn means(&self) -> [Option<Vec3>; LANES] {
         let mut means = self.sums;
         for channel in &mut means {
             for (mean, weight) in channel.iter_mut().zip(&self.weights) {
@@ -120,70 +129,122 @@ impl LookUp {
             }
         }
         let [red, green, blue] = means;
-        let mut lights = [None; LANES];
-        for (lane, light) in lights.iter_mut().enumerate() {
+        let mut values = [None; LANES];
+        for (lane, value) in values.iter_mut().enumerate() {
             if self.weights[lane] > 0.0 {
-                *light = Some(Vec3::new(red[lane], green[lane], blue[lane]));
+                *value = Some(Vec3::new(red[lane], green[lane], blue[lane]));
             }
         }
-        lights
+        values
     }
 }
 
-/// Whether no weight is above 0; none is below.
-fn is_none(weights: &Lanes) -> bool {
-    weights.iter().fold(0, |any, w| any | w.to_bits()) == 0
+/// Whether all weights are +0; none is negative.
+fn all_zero(weights: &Lanes) -> bool {
+    weights.iter().fold(0, |bits, w| bits | w.to_bits()) == 0
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::OccluderPlanes;
+    use super::super::record::OccluderPlanes;
     use super::*;
     use crate::sampling::Random;
+    use crate::simd::Kernel;
 
-    /// Lanes say what one point after the other would.
+    /// Lanes agree with the records evaluated one by one.
     #[test]
-    fn lanes_agree_with_places_one_by_one() {
+    fn lanes_agree_with_records_one_by_one() {
         let mut random = Random::new(1);
         let mut normal = move || random.vector(1.0).normalize();
         let mut random = Random::new(2);
         let points = [(); LANES].map(|()| (random.vector(1.0), normal()));
-        let turn = 0.7;
-        let mut look_up = LookUp::new(&points, turn);
+        let normal_weight = 0.7;
+        let mut lanes = WeightedSums::new(&points, normal_weight);
         let mut sums = [(Vec3::ZERO, 0.0); LANES];
         for _ in 0..400 {
-            let mut walls = OccluderPlanes::default();
+            let mut occluders = OccluderPlanes::default();
             if random.below(3) == 0 {
-                walls.add(random.vector(1.0), normal(), 0.5);
+                occluders.add(random.vector(1.0), normal(), 0.5);
             }
-            let place = IrradianceRecord {
+            let record = IrradianceRecord {
                 position: random.vector(1.0),
                 normal: normal(),
                 radius: 0.1 + random.unit(),
-                walls,
+                occluders,
             };
-            let light = LinearIrradiance {
-                light: random.vector(1.0) + 1.0,
+            let value = LinearIrradiance {
+                mean_radiance: random.vector(1.0) + 1.0,
                 gradient: [0, 1, 2].map(|_| random.vector(0.3)),
             };
-            look_up.add(&place, &light);
+            lanes.add(&record, &value);
             for ((position, normal), (sum, weights)) in points.iter().zip(&mut sums) {
-                let weight = place.weight(*position, *normal, turn, 1.0);
-                *sum += weight * light.at(position - place.position);
+                let weight = record.weight(*position, *normal, normal_weight, 1.0);
+                *sum += weight * value.at(position - record.position);
                 *weights += weight;
             }
         }
-        let mut known = 0;
-        for (light, (sum, weights)) in look_up.lights().into_iter().zip(sums) {
+        let mut covered = 0;
+        for (value, (sum, weights)) in lanes.means().into_iter().zip(sums) {
             let expected = (weights > 0.0).then(|| (sum / weights).max(Vec3::ZERO));
-            known += usize::from(expected.is_some());
-            match (light, expected) {
-                (Some(light), Some(expected)) => {
-                    assert!((light - expected).length() < 1e-5, "{light} {expected}");
+            covered += usize::from(expected.is_some());
+            match (value, expected) {
+                (Some(value), Some(expected)) => {
+                    assert!((value - expected).length() < 1e-5, "{value} {expected}");
                 }
-                (light, expected) => assert_eq!(light, expected),
+                (value, expected) => assert_eq!(value, expected),
             }
         }
-        assert!(known > LANES / 2);
+        assert!(covered > LANES / 2);
+    }
+
+    #[test]
+    fn all_instruction_sets_agree_to_the_bit() {
+        let mut random = Random::new(11);
+        let bounds = Aabb {
+            min: Vec3::splat(-1.0),
+            max: Vec3::ONE,
+        };
+        let mut records = IrradianceRecords::new(bounds, 0.6);
+        let mut values = Vec::new();
+        for number in 0..500 {
+            let mut occluders = OccluderPlanes::default();
+            if number % 3 == 0 {
+                occluders.add(random.vector(1.0), random.vector(1.0).normalize(), 0.3);
+            }
+            records.push(IrradianceRecord {
+                position: random.vector(1.0),
+                normal: random.vector(1.0).normalize(),
+                radius: 0.2 + random.unit(),
+                occluders,
+            });
+            values.push(LinearIrradiance {
+                mean_radiance: random.vector(1.0),
+                gradient: [0, 1, 2].map(|_| random.vector(1.0)),
+            });
+        }
+        let candidates: Vec<u32> = (0..500).collect();
+        let mut covered = 0;
+        for _ in 0..50 {
+            let points = [(); LANES].map(|()| {
+                let position = 0.2 * random.vector(1.0);
+                (position, random.vector(1.0).normalize())
+            });
+            let of_kernel = |kernel: Kernel| {
+                let interpolate = Interpolate {
+                    points: &points,
+                    candidates: &candidates,
+                    records: &records,
+                    values: &values,
+                };
+                let bits = |value: Vec3| value.to_array().map(f32::to_bits);
+                kernel.run(interpolate).map(|value| value.map(bits))
+            };
+            let portable = of_kernel(Kernel::PORTABLE);
+            for kernel in Kernel::available() {
+                assert_eq!(of_kernel(kernel), portable, "{kernel}");
+            }
+            covered += portable.iter().flatten().count();
+        }
+        assert!(covered > 50 * LANES / 2, "{covered}");
     }
 }

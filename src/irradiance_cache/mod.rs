@@ -1,14 +1,19 @@
-//! Indirect light of a scene that stands still: worked out once, read by every frame.
+//! The irradiance cache: indirect light of a static scene at records on its surfaces, computed once and
+//! interpolated by every frame (Ward, Rubinstein and Clear 1988, "A Ray Tracing Solution for Diffuse
+//! Interreflection").
 //!
-//! Light is known at places: small discs of surfaces. It is the mean radiance that arrives from the
-//! hemisphere, weighted by the cosine: what a Lambert surface multiplies by its reflectance. It does not
-//! depend on the eye, but on how many bounces are still counted, so there is light for each number of
-//! bounces that is left (Ward et al. 1988, "A Ray Tracing Solution for Diffuse Interreflection"; the
-//! numbers apart, for paths of a fixed length would otherwise come out too dark or too bright).
+//! What is stored is the mean incident radiance: the mean over the hemisphere, weighted by the cosine, of the
+//! radiance that arrives from surfaces and the background. It is the irradiance E divided by π, in W/(sr m²),
+//! linear RGB; a Lambert surface of albedo a sends out a times as much. Light that comes straight from point
+//! lights is not part of it. Only diffuse reflection uses it: mirrors are traced. Paths have a fixed maximal length, so the value depends on the bounces left at a
+//! point, and each number of bounces left has values of its own.
 //!
-//! Knows nothing of how light is gathered.
+//! Records are clipped by the planes of nearby occluders, so light does not leak through walls. Known limit:
+//! light leaks between parallel surfaces that face the same way and are closer than 20 % of a record's radius.
+//!
+//! Knows nothing of how the values are computed: see `bake`.
 
-mod kernel;
+mod linear;
 mod lookup;
 mod octree;
 mod primary;
@@ -16,37 +21,37 @@ mod record;
 mod records;
 mod secondary;
 
-pub use octree::{Leaf, Octree};
-pub use primary::{LinearIrradiance, PrimaryIrradiance};
+pub use linear::LinearIrradiance;
+pub use primary::PrimaryIrradiance;
 pub use record::{IrradianceRecord, OccluderPlanes};
 pub use records::IrradianceRecords;
 pub use secondary::SecondaryIrradiance;
 
-/// The indirect light of a scene, as far as a camera path needs it.
+/// The indirect light of a scene, as far as the frames of a camera path need it.
 #[derive(Debug)]
 pub struct IrradianceCache {
-    /// What the camera sees, itself and in mirrors; by the number of bounces that are left there, less 1.
-    /// As long as there are bounces.
-    pub visible: Vec<PrimaryIrradiance>,
-    /// What rays see that are gathered where the light is not known.
+    /// At surfaces that the camera sees, directly and in mirrors; by the number of bounces left there, less 1.
+    /// One entry per bounce.
+    pub primary: Vec<PrimaryIrradiance>,
+    /// At surfaces that gathered rays hit.
     pub secondary: SecondaryIrradiance,
 }
 
 impl IrradianceCache {
     /// How many bounces are counted.
     pub fn bounces(&self) -> u32 {
-        self.visible.len() as u32
+        self.primary.len() as u32
     }
 
-    /// How many places there are, seen and secondary.
-    pub fn place_count(&self) -> [usize; 2] {
-        let visible = self.visible.iter().map(|light| light.places.len());
-        [visible.sum(), self.secondary.places.len()]
+    /// How many records there are, primary and secondary.
+    pub fn record_count(&self) -> [usize; 2] {
+        let primary = self.primary.iter().map(|primary| primary.records.len());
+        [primary.sum(), self.secondary.records.len()]
     }
 
-    /// Bytes.
+    /// Memory in bytes.
     pub fn memory(&self) -> usize {
-        let visible = self.visible.iter().map(PrimaryIrradiance::memory);
-        visible.sum::<usize>() + self.secondary.memory()
+        let primary = self.primary.iter().map(PrimaryIrradiance::memory);
+        primary.sum::<usize>() + self.secondary.memory()
     }
 }

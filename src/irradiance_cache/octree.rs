@@ -1,21 +1,23 @@
+//! An octree over the bounding boxes of records, built one by one.
+
 use crate::math::Aabb;
 use glam::Vec3;
 
-/// A leaf with more boxes than this is split, if that helps.
-const CAPACITY: usize = 16;
+/// A leaf with more boxes than this is split.
+const LEAF_CAPACITY: usize = 16;
 
-/// Leaves that are smaller than this share of their boxes are not split: most boxes would lie in all parts.
-const SHARE: f32 = 0.5;
+/// Leaves smaller than this fraction of the mean size of their boxes are not split: most boxes would overlap all
+/// children.
+const MIN_RELATIVE_SIZE: f32 = 0.5;
 
-/// No leaf lies deeper.
+/// Depth limit.
 const MAX_DEPTH: u32 = 24;
 
-/// Which of many boxes may hold a point: an octree that grows as boxes are added, whose leaves list the
-/// boxes that they touch.
+/// Finds the boxes that may contain a point. Leaves list the boxes that they overlap.
 #[derive(Debug)]
-pub struct Octree {
+pub(super) struct Octree {
     root: Cube,
-    /// The root first.
+    /// The root is the first.
     nodes: Vec<Node>,
     boxes: Vec<Aabb>,
 }
@@ -27,7 +29,7 @@ enum Node {
     Leaf(Vec<u32>),
 }
 
-/// The points from `center - half` on that are below `center + half`.
+/// The points in [center - half, center + half).
 #[derive(Clone, Copy, Debug)]
 struct Cube {
     center: Vec3,
@@ -35,9 +37,9 @@ struct Cube {
 }
 
 impl Cube {
-    /// One of its eighths, where bits 0, 1 and 2 say whether it is the upper one along x, y and z.
+    /// One of its octants; bits 0, 1 and 2 select the upper half along x, y and z.
     #[inline]
-    fn eighth(self, number: usize) -> Cube {
+    fn octant(self, number: usize) -> Cube {
         let sign = |axis: usize| if number >> axis & 1 == 1 { 1.0 } else { -1.0 };
         let half = 0.5 * self.half;
         Cube {
@@ -46,36 +48,36 @@ impl Cube {
         }
     }
 
-    fn touches(self, other: &Aabb) -> bool {
-        let reaches = other.max.cmpge(self.center - self.half);
-        (reaches & other.min.cmple(self.center + self.half)).all()
+    fn overlaps(self, other: &Aabb) -> bool {
+        let above = other.max.cmpge(self.center - self.half);
+        (above & other.min.cmple(self.center + self.half)).all()
     }
 }
 
 /// A leaf of the tree.
 #[derive(Clone, Copy, Debug)]
-pub struct Leaf {
+pub(super) struct Leaf {
     cube: Cube,
-    /// Its number.
-    pub node: u32,
+    /// Its index.
+    pub(super) node: u32,
 }
 
 impl Leaf {
-    /// Whether a point surely lies in it.
+    /// Whether a point lies in its interior.
     #[inline]
-    pub fn holds(&self, point: Vec3) -> bool {
+    pub(super) fn contains(&self, point: Vec3) -> bool {
         let Cube { center, half } = self.cube;
         (point.cmpgt(center - half) & point.cmplt(center + half)).all()
     }
 }
 
 impl Octree {
-    /// An empty tree for points within `bounds`.
-    pub fn new(bounds: Aabb) -> Octree {
+    /// An empty tree over `bounds`.
+    pub(super) fn new(bounds: Aabb) -> Octree {
         Octree {
             root: Cube {
                 center: bounds.center(),
-                // Points on the sides lie inside.
+                // Enlarged, so that points on the faces lie inside.
                 half: 0.501 * bounds.extent().max_element(),
             },
             nodes: vec![Node::Leaf(Vec::new())],
@@ -83,8 +85,8 @@ impl Octree {
         }
     }
 
-    /// Adds a box; they are numbered from 0 on.
-    pub fn insert(&mut self, new: Aabb) {
+    /// Adds a box; boxes are numbered from 0 in order of insertion.
+    pub(super) fn insert(&mut self, new: Aabb) {
         let number = self.boxes.len() as u32;
         self.boxes.push(new);
         self.insert_below(0, self.root, 0, number);
@@ -95,9 +97,9 @@ impl Octree {
             Node::Inner(first) => {
                 let first = *first as usize;
                 for child in 0..8 {
-                    let part = cube.eighth(child);
-                    if part.touches(&self.boxes[number as usize]) {
-                        self.insert_below(first + child, part, depth + 1, number);
+                    let octant = cube.octant(child);
+                    if octant.overlaps(&self.boxes[number as usize]) {
+                        self.insert_below(first + child, octant, depth + 1, number);
                     }
                 }
             }
@@ -105,8 +107,8 @@ impl Octree {
                 list.push(number);
                 let size = |&n: &u32| self.boxes[n as usize].extent().max_element();
                 let mean = list.iter().map(size).sum::<f32>() / list.len() as f32;
-                let helps = 2.0 * cube.half > SHARE * mean;
-                if list.len() > CAPACITY && depth < MAX_DEPTH && helps {
+                let is_large = 2.0 * cube.half > MIN_RELATIVE_SIZE * mean;
+                if list.len() > LEAF_CAPACITY && depth < MAX_DEPTH && is_large {
                     let list = std::mem::take(list);
                     let first = self.nodes.len();
                     self.nodes[node] = Node::Inner(first as u32);
@@ -119,15 +121,15 @@ impl Octree {
         }
     }
 
-    /// The leaf around a point.
+    /// The leaf that contains a point; points outside the root get the nearest one along each axis.
     #[inline]
-    pub fn leaf(&self, point: Vec3) -> Leaf {
+    pub(super) fn leaf(&self, point: Vec3) -> Leaf {
         let mut cube = self.root;
         let mut node = 0;
         while let Node::Inner(first) = &self.nodes[node] {
             let above = point.cmpge(cube.center).bitmask() as usize;
             node = *first as usize + above;
-            cube = cube.eighth(above);
+            cube = cube.octant(above);
         }
         Leaf {
             cube,
@@ -135,23 +137,23 @@ impl Octree {
         }
     }
 
-    /// The boxes that touch the leaf of this number.
+    /// The boxes that overlap the leaf of this index.
     #[inline]
-    pub fn boxes(&self, node: u32) -> &[u32] {
+    pub(super) fn boxes(&self, node: u32) -> &[u32] {
         match &self.nodes[node as usize] {
             Node::Inner(_) => &[],
             Node::Leaf(boxes) => boxes,
         }
     }
 
-    /// The boxes that touch the leaf around a point.
+    /// The boxes that may contain a point.
     #[inline]
-    pub fn around(&self, point: Vec3) -> &[u32] {
+    pub(super) fn around(&self, point: Vec3) -> &[u32] {
         self.boxes(self.leaf(point).node)
     }
 
-    /// Bytes.
-    pub fn memory(&self) -> usize {
+    /// Memory in bytes.
+    pub(super) fn memory(&self) -> usize {
         let list = |node: &Node| match node {
             Node::Inner(_) => 0,
             Node::Leaf(list) => size_of_val(&**list),
@@ -167,7 +169,7 @@ mod tests {
     use crate::sampling::Random;
 
     #[test]
-    fn every_box_that_holds_a_point_is_listed() {
+    fn every_box_that_contains_a_point_is_listed() {
         let bounds = Aabb {
             min: Vec3::splat(-1.0),
             max: Vec3::ONE,
@@ -192,7 +194,7 @@ mod tests {
             }
             let leaf = tree.leaf(point);
             let near = point + random.vector(0.01);
-            assert!(!leaf.holds(near) || tree.leaf(near).node == leaf.node);
+            assert!(!leaf.contains(near) || tree.leaf(near).node == leaf.node);
         }
         assert!(listed < 2000 * 100, "{listed}");
     }

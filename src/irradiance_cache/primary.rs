@@ -1,100 +1,86 @@
-use super::kernel::Lookup;
-use super::lookup::LANES;
-use super::{IrradianceRecords, Leaf, Octree};
+//! Irradiance at what the camera sees, interpolated for many points at once.
+
+use super::linear::LinearIrradiance;
+use super::lookup::{Interpolate, LANES};
+use super::octree::{Leaf, Octree};
+use super::records::IrradianceRecords;
 use crate::simd::Kernel;
 use glam::Vec3;
 
-/// The light at a place, and how it changes along the surface.
-#[derive(Clone, Copy, Debug)]
-pub struct LinearIrradiance {
-    /// In the middle.
-    pub light: Vec3,
-    /// The change of each channel along x, y and z.
-    pub gradient: [Vec3; 3],
-}
-
-impl LinearIrradiance {
-    /// Away from the middle.
-    #[inline]
-    pub fn at(&self, way: Vec3) -> Vec3 {
-        self.light + Vec3::from_array(self.gradient.map(|gradient| gradient.dot(way)))
-    }
-}
-
-/// The light at what the camera sees, where a certain number of bounces is left.
+/// Mean incident radiance at surfaces that the camera sees with a certain number of bounces left.
 #[derive(Debug)]
 pub struct PrimaryIrradiance {
     /// Where it is known.
-    pub places: IrradianceRecords,
-    /// IrradianceRecord by place.
-    pub light: Vec<LinearIrradiance>,
+    pub records: IrradianceRecords,
+    /// By record.
+    pub values: Vec<LinearIrradiance>,
 }
 
 impl PrimaryIrradiance {
-    /// The light at some points, positions and unit normals given; none where it is not known. Each gets
-    /// what it would get alone.
+    /// The interpolated value, E / π in W/(sr m²), at each point, given as position and unit normal; none where no
+    /// record covers it. The result at a point does not depend on the other points.
     ///
-    /// The mean of what the places say that a point lies in (Shepard 1968; of linear functions as in Renka
-    /// 1988, "Multivariate Interpolation of Large Sets of Scattered Data").
-    pub fn lights(&self, points: &[(Vec3, Vec3)], kernel: Kernel) -> Vec<Option<Vec3>> {
-        let mut lights = vec![None; points.len()];
-        let tree = self.places.tree();
+    /// Weighted mean of the values of all records that cover a point (Shepard 1968, "A Two-Dimensional
+    /// Interpolation Function for Irregularly-Spaced Data"; of linear functions as in Renka 1988, "Multivariate
+    /// Interpolation of Large Sets of Scattered Data").
+    pub fn mean_radiance(&self, points: &[(Vec3, Vec3)], kernel: Kernel) -> Vec<Option<Vec3>> {
+        let mut values = vec![None; points.len()];
+        let tree = self.records.tree();
         for group in groups(tree, points) {
-            let of_group = group.numbers.map(|number| points[number as usize]);
-            let around = tree.boxes(group.leaf.node);
-            let known = kernel.run(Lookup {
+            let of_group = group.points.map(|number| points[number as usize]);
+            let found = kernel.run(Interpolate {
                 points: &of_group,
-                numbers: around,
-                places: &self.places,
-                light: &self.light,
+                candidates: tree.boxes(group.leaf.node),
+                records: &self.records,
+                values: &self.values,
             });
-            for (&number, light) in group.numbers[..group.count].iter().zip(known) {
-                lights[number as usize] = light;
+            for (&number, value) in group.points[..group.count].iter().zip(found) {
+                values[number as usize] = value;
             }
         }
-        for (light, (position, normal)) in lights.iter_mut().zip(points) {
-            if light.is_none() {
-                *light = self.light_beside(*position, *normal);
+        for (value, (position, normal)) in values.iter_mut().zip(points) {
+            if value.is_none() {
+                *value = self.extrapolate(*position, *normal);
             }
         }
-        lights
+        values
     }
 
-    /// As the places say that a point lies just beside.
-    fn light_beside(&self, position: Vec3, normal: Vec3) -> Option<Vec3> {
-        const REACH: f32 = 2.0;
-        let light = |number: usize| self.light[number].light;
-        self.places.mean(position, normal, REACH, light)
+    /// The value at a point that lies just outside all records, without gradients.
+    fn extrapolate(&self, position: Vec3, normal: Vec3) -> Option<Vec3> {
+        const SUPPORT_RADIUS: f32 = 2.0;
+        let value = |number: usize| self.values[number].mean_radiance;
+        self.records.mean(position, normal, SUPPORT_RADIUS, value)
     }
 
-    /// Bytes.
+    /// Memory in bytes.
     pub fn memory(&self) -> usize {
-        self.places.memory() + size_of_val(&*self.light)
+        self.records.memory() + size_of_val(&*self.values)
     }
 }
 
 /// Points of one leaf that are looked up together.
 struct Group {
     leaf: Leaf,
-    /// How many they are.
+    /// How many lanes are used.
     count: usize,
-    /// Their numbers; lanes that are left over repeat the first.
-    numbers: [u32; LANES],
+    /// Indices of the points, by lane; unused lanes repeat the first.
+    points: [u32; LANES],
 }
 
-/// The points in groups.
+/// Divides points into groups.
 fn groups(tree: &Octree, points: &[(Vec3, Vec3)]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for (number, (position, _)) in (0..).zip(points) {
-        let takes = |group: &&mut Group| group.count < LANES && group.leaf.holds(*position);
+        let takes = |group: &&mut Group| group.count < LANES && group.leaf.contains(*position);
         if let Some(group) = groups.iter_mut().rev().find(takes) {
-            group.numbers[group.count] = number;
+            group.points[group.count] = number;
             group.count += 1;
         } else {
             groups.push(Group {
                 leaf: tree.leaf(*position),
                 count: 1,
-                numbers: [number; LANES],
+                points: [number; LANES],
             });
         }
     }

@@ -1,72 +1,78 @@
-use super::{IrradianceRecord, Octree};
+//! A set of irradiance records with the octree that finds those around a point.
+
+use super::octree::Octree;
+use super::record::IrradianceRecord;
 use crate::math::Aabb;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::ops::Index;
 
-/// IrradianceRecords, and which of them a point lies in.
+/// Records, numbered from 0, and an octree over their bounds.
 #[derive(Debug, Serialize, Deserialize)]
-#[serde(from = "Listed")]
+#[serde(from = "StoredRecords")]
 pub struct IrradianceRecords {
     list: Vec<IrradianceRecord>,
     #[serde(skip_serializing)]
     tree: Octree,
-    /// Of all points.
+    /// Bounds of all points of the scene.
     bounds: Aabb,
-    /// What an angle counts: see [`IrradianceRecord::weight`].
-    turn: f32,
+    /// Weight of the angle between normals: see [`IrradianceRecord::weight`].
+    normal_weight: f32,
 }
 
 impl IrradianceRecords {
-    /// None yet, for points within `bounds`. A normal that is turned by `angle` radians, above 0, is as far
-    /// as the radius.
-    pub fn new(bounds: Aabb, angle: f32) -> IrradianceRecords {
-        IrradianceRecords::of(bounds, 1.0 / (1.0 - libm::cosf(angle)), [])
+    /// No records yet, of a scene with these bounds. A record is valid up to an angle of `max_angle` radians, above
+    /// 0, between the normals.
+    pub fn new(bounds: Aabb, max_angle: f32) -> IrradianceRecords {
+        IrradianceRecords::of(bounds, 1.0 / (1.0 - libm::cosf(max_angle)), [])
     }
 
     fn of(
         bounds: Aabb,
-        turn: f32,
+        normal_weight: f32,
         list: impl IntoIterator<Item = IrradianceRecord>,
     ) -> IrradianceRecords {
-        let mut places = IrradianceRecords {
+        let mut records = IrradianceRecords {
             list: Vec::new(),
             tree: Octree::new(bounds),
             bounds,
-            turn,
+            normal_weight,
         };
-        list.into_iter().for_each(|place| places.push(place));
-        places
+        list.into_iter().for_each(|record| records.push(record));
+        records
     }
 
-    /// Adds one; they are numbered from 0 on.
-    pub fn push(&mut self, place: IrradianceRecord) {
-        self.tree.insert(place.bounds());
-        self.list.push(place);
+    /// Adds a record.
+    pub fn push(&mut self, record: IrradianceRecord) {
+        self.tree.insert(record.bounds());
+        self.list.push(record);
     }
 
-    /// Makes a place smaller, if it is larger than `radius`.
+    /// Limits the radius of a record to `radius`.
     pub fn shrink(&mut self, number: usize, radius: f32) {
-        let place = &mut self.list[number];
-        place.radius = place.radius.min(radius);
+        let record = &mut self.list[number];
+        record.radius = record.radius.min(radius);
     }
 
-    /// The same places with boxes of what they have become, those that lie close to each other side by side;
-    /// and the former number of each.
-    pub fn settled(&self) -> (IrradianceRecords, Vec<usize>) {
-        let of_now = IrradianceRecords::of(self.bounds, self.turn, self.list.iter().cloned());
+    /// The same records with tight bounds, sorted by leaf for locality; and the old number of each new record.
+    pub fn compacted(&self) -> (IrradianceRecords, Vec<usize>) {
+        let tight =
+            IrradianceRecords::of(self.bounds, self.normal_weight, self.list.iter().cloned());
         let mut order: Vec<usize> = (0..self.list.len()).collect();
-        order.sort_by_cached_key(|&number| of_now.tree.leaf(self[number].position).node);
+        order.sort_by_cached_key(|&number| tight.tree.leaf(self[number].position).node);
         let list = order.iter().map(|&number| self[number].clone());
-        (IrradianceRecords::of(self.bounds, self.turn, list), order)
+        (
+            IrradianceRecords::of(self.bounds, self.normal_weight, list),
+            order,
+        )
     }
 
-    /// How many there are.
+    /// The number of records.
     pub fn len(&self) -> usize {
         self.list.len()
     }
 
-    /// Whether there are none.
+    /// Whether there are no records.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
@@ -75,59 +81,58 @@ impl IrradianceRecords {
         &self.tree
     }
 
-    pub(super) fn turn(&self) -> f32 {
-        self.turn
+    pub(super) fn normal_weight(&self) -> f32 {
+        self.normal_weight
     }
 
-    /// Calls `visitor` with the number and the weight of each place that a point lies in, or, for a `reach`
-    /// beyond 1, of those of the tree's leaf around it that it lies within so many radii of.
+    /// Calls `visitor` with the number and the weight of each record that covers a point. With a `support_radius`
+    /// above 1, in units of a record's radius, only records that overlap the point's leaf are visited.
     #[inline]
     pub fn visit(
         &self,
         position: Vec3,
         normal: Vec3,
-        reach: f32,
+        support_radius: f32,
         mut visitor: impl FnMut(usize, f32),
     ) {
         for &number in self.tree.around(position) {
-            let place = &self.list[number as usize];
-            let weight = place.weight(position, normal, self.turn, reach);
+            let record = &self.list[number as usize];
+            let weight = record.weight(position, normal, self.normal_weight, support_radius);
             if weight > 0.0 {
                 visitor(number as usize, weight);
             }
         }
     }
 
-    /// The mean of a value that each place has, over the places and with the weights of [`IrradianceRecords::visit`]; none
-    /// if there are none.
+    /// Weighted mean of a value per record over the records of [`IrradianceRecords::visit`]; none if there are none.
     #[inline]
     pub(super) fn mean(
         &self,
         position: Vec3,
         normal: Vec3,
-        reach: f32,
+        support_radius: f32,
         value: impl Fn(usize) -> Vec3,
     ) -> Option<Vec3> {
         let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
-        self.visit(position, normal, reach, |number, weight| {
+        self.visit(position, normal, support_radius, |number, weight| {
             sum += weight * value(number);
             weights += weight;
         });
         (weights > 0.0).then(|| sum / weights)
     }
 
-    /// Whether a point lies within `share` of the radius of a place.
-    pub fn cover(&self, position: Vec3, normal: Vec3, share: f32) -> bool {
+    /// Whether a point lies within `support_radius`, in units of a record's radius, of any record.
+    pub fn cover(&self, position: Vec3, normal: Vec3, support_radius: f32) -> bool {
         self.tree.around(position).iter().any(|&number| {
-            let place = &self.list[number as usize];
-            place.weight(position, normal, self.turn, share) > 0.0
+            let record = &self.list[number as usize];
+            record.weight(position, normal, self.normal_weight, support_radius) > 0.0
         })
     }
 
-    /// Bytes.
+    /// Memory in bytes.
     pub fn memory(&self) -> usize {
-        let walls = self.list.iter().map(|place| place.walls.memory());
-        size_of_val(&*self.list) + walls.sum::<usize>() + self.tree.memory()
+        let occluders = self.list.iter().map(|record| record.occluders.memory());
+        size_of_val(&*self.list) + occluders.sum::<usize>() + self.tree.memory()
     }
 }
 
@@ -139,16 +144,22 @@ impl Index<usize> for IrradianceRecords {
     }
 }
 
-/// What is kept of [`IrradianceRecords`]: the tree follows.
+/// What is stored of [`IrradianceRecords`]; the octree is rebuilt.
 #[derive(Deserialize)]
-struct Listed {
+struct StoredRecords {
     list: Vec<IrradianceRecord>,
     bounds: Aabb,
-    turn: f32,
+    normal_weight: f32,
 }
 
-impl From<Listed> for IrradianceRecords {
-    fn from(Listed { list, bounds, turn }: Listed) -> IrradianceRecords {
-        IrradianceRecords::of(bounds, turn, list)
+impl From<StoredRecords> for IrradianceRecords {
+    fn from(
+        StoredRecords {
+            list,
+            bounds,
+            normal_weight,
+        }: StoredRecords,
+    ) -> IrradianceRecords {
+        IrradianceRecords::of(bounds, normal_weight, list)
     }
 }

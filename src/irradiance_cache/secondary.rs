@@ -1,34 +1,44 @@
-use super::IrradianceRecords;
+//! Irradiance at the second and later vertices of a path, coarser than what the camera sees because each gathered
+//! value averages many of them (the idea of Tabellion and Lamorlette 2004, "An Approximate Global Illumination
+//! System for Computer Generated Films").
+
+use super::records::IrradianceRecords;
 use glam::Vec3;
 
-/// The light at what gathered rays hit: coarser than what the camera sees, since many hits are summed up.
+/// Mean incident radiance at surfaces that gathered rays hit.
 #[derive(Debug)]
 pub struct SecondaryIrradiance {
     /// Where it is known.
-    pub places: IrradianceRecords,
-    /// By the number of bounces that are left, less 1, place by place.
-    pub levels: Vec<Vec<Vec3>>,
-    /// Hits nearer than this to where a ray starts look nothing up: they are too close for places of this
-    /// size.
-    pub nearest: f32,
+    pub records: IrradianceRecords,
+    /// E / π in W/(sr m²): by the number of bounces left, less 1, and by record.
+    pub values: Vec<Vec<Vec3>>,
+    /// Hits closer than this to the origin of their ray, in metres, are not looked up: they are too close for
+    /// records of this size.
+    pub min_distance: f32,
 }
 
 impl SecondaryIrradiance {
-    /// The light at a hit so far away, where `left` bounces are left, one at least; none where it is not
-    /// known.
+    /// The interpolated value at a hit at `distance` from the origin of its ray, where `bounces_left` bounces, at
+    /// least one, are left; none where no record covers it.
     #[inline]
-    pub fn light(&self, position: Vec3, normal: Vec3, left: u32, distance: f32) -> Option<Vec3> {
-        let level = self.levels.get(left as usize - 1)?;
-        if distance < self.nearest {
+    pub fn mean_radiance(
+        &self,
+        position: Vec3,
+        normal: Vec3,
+        bounces_left: u32,
+        distance: f32,
+    ) -> Option<Vec3> {
+        let values = self.values.get(bounces_left as usize - 1)?;
+        if distance < self.min_distance {
             return None;
         }
-        self.places
-            .mean(position, normal, 1.0, |number| level[number])
+        self.records
+            .mean(position, normal, 1.0, |number| values[number])
     }
 
-    /// Bytes.
+    /// Memory in bytes.
     pub fn memory(&self) -> usize {
-        let levels = self.levels.iter().map(|level| size_of_val(&**level));
-        self.places.memory() + levels.sum::<usize>()
+        let values = self.values.iter().map(|values| size_of_val(&**values));
+        self.records.memory() + values.sum::<usize>()
     }
 }

@@ -27,8 +27,8 @@ pub struct CacheSource {
 }
 
 impl CacheSource {
-    /// Reads what is kept for frames of these settings. With `rebake` in the options, a shared file that is damaged or of something else
-    /// counts as none.
+    /// Reads what is kept for frames of these settings. With `rebake` in the options, a shared file that is damaged or of
+    /// something else counts as none.
     pub fn open(
         store: CacheStore,
         inputs: &Inputs,

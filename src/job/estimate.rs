@@ -162,7 +162,7 @@ pub fn keep_within(
     if choose_again(job, budget, out)? {
         return Ok(None);
     }
-    // Whoever begins at the same time waits for the choice of the first.
+    // A process that starts at the same time waits for the choice of the first.
     let _turn = PartFile::claim_in_turn(&out.join(SavedEstimate::FILE), Duration::MAX)?;
     if choose_again(job, budget, out)? {
         return Ok(None);

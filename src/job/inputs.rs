@@ -44,7 +44,7 @@ impl Inputs {
         })
     }
 
-    /// Settings of the command, the path and the scene; whoever comes first wins.
+    /// Settings of the command, the path and the scene; the first that gives one wins.
     pub fn settings(&self, overrides: Settings) -> Settings {
         let of_files = self.path.settings.clone().or(self.scene.settings.clone());
         overrides.or(of_files)

@@ -149,7 +149,7 @@ mod tests {
     fn the_mean_bias_is_how_much_too_bright_it_is() {
         let truth = slope(40, 40);
         let reference = Noise::new(5).reference(&truth, 0.01);
-        let brighter = truth.mixed(1.02, &truth, 0.0);
+        let brighter = truth.weighted_sum(1.02, &truth, 0.0);
         let difference = Difference::of(&brighter, &reference, 1.5);
         // The mean of 9,600 numbers that are off by 0.01.
         assert!((difference.mean_bias - 0.02).abs() < 1e-3, "{difference:?}");

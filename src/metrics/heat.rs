@@ -1,25 +1,57 @@
+//! Errors in false colours.
+
+use glam::Vec3;
+
 /// The least and the most relative error with a colour of its own: 1 % and 100 %.
 const HEAT_RANGE: [f32; 2] = [0.01, 1.0];
+
+/// "Magma" of matplotlib (van der Walt and Smith 2015) in even steps, as 8-bit sRGB: linear in between, it is within
+/// 3 codes of all 256 entries.
+const MAGMA: [[u8; 3]; 17] = [
+    [0, 0, 4],
+    [10, 8, 34],
+    [29, 17, 71],
+    [54, 16, 107],
+    [81, 18, 124],
+    [106, 28, 129],
+    [131, 38, 129],
+    [156, 46, 127],
+    [183, 55, 121],
+    [207, 64, 112],
+    [229, 80, 100],
+    [244, 105, 92],
+    [251, 135, 97],
+    [254, 165, 113],
+    [254, 194, 135],
+    [253, 224, 161],
+    [252, 253, 191],
+];
 
 /// Paints errors, one for each pixel: R, G, B by pixel, in 8-bit sRGB.
 ///
 /// The scale is logarithmic over 1 % to 100 %, the same for every picture so that two may be compared:
-/// black is 1 % or less, red-violet 10 %, pale yellow 100 % or more, and so is what is no number. The colours
-/// are "magma" of matplotlib (van der Walt and Smith 2015), whose steps look alike and whose lightness alone
-/// tells the order.
+/// black is 1 % or less, red-violet 10 %, pale yellow 100 % or more, and so is what is no number. The steps of the
+/// colours look alike, and their lightness alone tells the order.
 pub fn heat_map(errors: &[f32]) -> Vec<u8> {
-    let colors = nv_flip::magma_lut().to_vec();
     let [least, most] = HEAT_RANGE;
     let color = |&error: &f32| {
-        let place = if error < most {
+        let value = if error < most {
             libm::logf(error.max(least) / least) / libm::logf(most / least)
         } else {
             1.0
         };
-        let first = 3 * (255.0 * place).round() as usize;
-        colors[first..first + 3].iter().copied()
+        magma(value)
     };
     errors.iter().flat_map(color).collect()
+}
+
+/// The colour of a value between 0 and 1.
+fn magma(value: f32) -> [u8; 3] {
+    let position = value * (MAGMA.len() - 1) as f32;
+    let step = (position as usize).min(MAGMA.len() - 2);
+    let [low, high] = [step, step + 1].map(|i| Vec3::from_array(MAGMA[i].map(f32::from)));
+    let color = low.lerp(high, position - step as f32).round();
+    color.to_array().map(|code| code as u8)
 }
 
 #[cfg(test)]

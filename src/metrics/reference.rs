@@ -22,7 +22,7 @@ impl Reference {
     ///
     /// If their sizes differ.
     pub fn new(a: Film, b: Film) -> Reference {
-        let mean = a.mixed(0.5, &b, 0.5);
+        let mean = a.weighted_sum(0.5, &b, 0.5);
         Reference { a, b, mean }
     }
 

@@ -1,50 +1,53 @@
-//! Where the camera touches the scene.
+//! Contact of the camera with the scene: inside objects, through surfaces, too close to them.
 
-use super::finding::Measured;
-use super::flight::Flight;
-use super::inside::{Sight, eye, frames_inside};
-use super::{Finding, Frames, Oddity};
+use super::inside::{Probe, eye, frames_inside};
+use super::steps::measure_steps;
+use super::warning::Measured;
+use super::{FrameRuns, PathWarning, WarningKind};
 use crate::accel::Traversal;
-use crate::camera::Camera;
+use crate::camera::{Camera, FrameCameras};
 use crate::math::Ray;
 use crate::scene::Scene;
 use rayon::prelude::*;
 
-pub(super) fn find(scene: &Scene, flight: &Flight, near: f64) -> Vec<Finding> {
-    let cameras = flight.cameras.par_iter();
-    let sights: Vec<Sight> = cameras.map(|camera| Sight::new(scene, camera)).collect();
-    let passages = flight.steps(|from, to| passage(scene, from, to));
-    let passages: Vec<Option<i32>> = passages.into_iter().map(Option::flatten).collect();
-    let through: Vec<usize> = (0..passages.len())
-        .filter(|&frame| passages[frame].is_some())
+pub(super) fn find(scene: &Scene, frames: &FrameCameras, near: f64) -> Vec<PathWarning> {
+    let cameras = frames.cameras.par_iter();
+    let probes: Vec<Probe> = cameras.map(|camera| Probe::new(scene, camera)).collect();
+    let crossings = measure_steps(frames, |from, to| crossing(scene, from, to));
+    let crossings: Vec<Option<i32>> = crossings.into_iter().map(Option::flatten).collect();
+    let crossed: Vec<usize> = (0..crossings.len())
+        .filter(|&frame| crossings[frame].is_some())
         .collect();
     let distance =
-        |frame: usize, within| scene.closest_point_distance(flight.cameras[frame].position, within);
-    let depths: Vec<Measured> = frames_inside(flight, &sights, &passages)
+        |frame: usize, within| scene.closest_point_distance(frames.cameras[frame].position, within);
+    let depths: Vec<Measured> = frames_inside(frames, &probes, &crossings)
         .into_iter()
         .filter_map(|frame| Some((frame, distance(frame, f64::INFINITY)?)))
         .collect();
-    let frames = (0..flight.cameras.len()).into_par_iter();
-    // The nearer the worse.
-    let distances: Vec<Measured> = frames
+    let numbers = (0..frames.cameras.len()).into_par_iter();
+    // Negative, as the greatest is the worst.
+    let distances: Vec<Measured> = numbers
         .filter_map(|frame| Some((frame, -distance(frame, near)?)))
         .collect();
-    let inside = Finding::of(&depths, |frame, depth| Oddity::Inside { frame, depth });
-    let through = (!through.is_empty()).then(|| Finding {
-        frames: Frames::of(through.iter().map(|&frame| frame as u32)),
-        kind: Oddity::Through,
+    let inside = PathWarning::of(&depths, |frame, depth| WarningKind::InsideSolid {
+        frame,
+        depth,
     });
-    let near = Finding::of(&distances, |frame, distance| Oddity::Near {
+    let crosses = (!crossed.is_empty()).then(|| PathWarning {
+        frames: FrameRuns::of(crossed.iter().map(|&frame| frame as u32)),
+        kind: WarningKind::CrossesSurface,
+    });
+    let near = PathWarning::of(&distances, |frame, distance| WarningKind::NearSurface {
         frame,
         distance: -distance,
         near,
     });
-    [inside, through, near].into_iter().flatten().collect()
+    [inside, crosses, near].into_iter().flatten().collect()
 }
 
-/// In how many more bodies the camera is after a step, -1..=1, if their faces look outward; none if there is no
-/// surface on the way.
-fn passage(scene: &Scene, from: &Camera, to: &Camera) -> Option<i32> {
+/// The change of the number of solids that contain the camera over a step, -1..=1, if faces point outward; none if no
+/// surface is crossed.
+fn crossing(scene: &Scene, from: &Camera, to: &Camera) -> Option<i32> {
     let (from, to) = (eye(scene, from), eye(scene, to));
     if from == to {
         return None;
@@ -52,7 +55,7 @@ fn passage(scene: &Scene, from: &Camera, to: &Camera) -> Option<i32> {
     let rays = [Ray::new(from, to - from), Ray::new(to, from - to)];
     let mut hits = [None; 2];
     scene.closest_incoherent(&rays, &mut hits, &mut Traversal::default());
-    // Whether the camera is in front of the surface that is nearest to it on the way.
+    // Whether the camera is in front of the nearest surface on its way.
     let in_front = |i: usize| {
         let hit = hits[i].filter(|hit| hit.t <= 1.0)?;
         Some(scene.is_front(&rays[i], &hit))
@@ -61,7 +64,7 @@ fn passage(scene: &Scene, from: &Camera, to: &Camera) -> Option<i32> {
     match (in_front(0), in_front(1)) {
         (None, None) => None,
         (Some(before), Some(after)) => Some(change(before, after)),
-        // One of them is on the surface: it is beyond it.
+        // One camera lies on the surface and counts as beyond it.
         (Some(before), None) => Some(change(before, !before)),
         (None, Some(after)) => Some(change(!after, after)),
     }
@@ -69,7 +72,7 @@ fn passage(scene: &Scene, from: &Camera, to: &Camera) -> Option<i32> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stage::{cuboid, flight, hall, inverted, scene, still, walk};
+    use super::super::fixtures::{cuboid, hall, inverted, open_shot, scene, still, walk};
     use super::*;
     use crate::scene::SourceMesh;
     use glam::DVec3;
@@ -77,16 +80,16 @@ mod tests {
     const NEAR: f64 = 0.1;
 
     /// At eye level, from the left to the right.
-    fn findings(scene: &Scene) -> Vec<Finding> {
+    fn findings(scene: &Scene) -> Vec<PathWarning> {
         let at = |x| DVec3::new(x, 1.7, 0.3);
-        find(scene, &Flight::new(&walk(at(-2.41), at(2.39))), NEAR)
+        find(scene, &FrameCameras::of(&walk(at(-2.41), at(2.39))), NEAR)
     }
 
     fn pillar() -> SourceMesh {
         cuboid(DVec3::new(-0.3, 0.0, -0.7), DVec3::new(0.9, 4.0, 1.3))
     }
 
-    /// Frames go from -2.41 m on in steps of 0.2 m.
+    /// Frames start at -2.41 m, 0.2 m apart.
     fn frames_between(from: f64, to: f64) -> Vec<u32> {
         let is_between = |frame: &u32| (from..to).contains(&(0.2 * f64::from(*frame) - 2.41));
         (0..=24).filter(is_between).collect()
@@ -110,15 +113,15 @@ mod tests {
             let meshes = [&room[..], std::slice::from_ref(pillar)].concat();
             let found = findings(&scene(meshes, &[]));
             assert_eq!(found.len(), 3, "{found:?}");
-            assert_eq!(found[0].frames, Frames::of(frames_between(-0.3, 0.9)));
+            assert_eq!(found[0].frames, FrameRuns::of(frames_between(-0.3, 0.9)));
             // The middle of 1.2 m is between frames.
-            let Oddity::Inside { frame: 14, depth } = found[0].kind else {
+            let WarningKind::InsideSolid { frame: 14, depth } = found[0].kind else {
                 panic!("{:?}", found[0].kind)
             };
             assert!((depth - 0.51).abs() < 1e-5, "{depth}");
-            assert_eq!(found[1].kind, Oddity::Through);
-            assert_eq!(found[1].frames, Frames::of([10, 16]));
-            let Oddity::Near { distance, .. } = found[2].kind else {
+            assert_eq!(found[1].kind, WarningKind::CrossesSurface);
+            assert_eq!(found[1].frames, FrameRuns::of([10, 16]));
+            let WarningKind::NearSurface { distance, .. } = found[2].kind else {
                 panic!("{:?}", found[2].kind)
             };
             assert!((distance - 0.09).abs() < 1e-5, "{distance}");
@@ -133,10 +136,10 @@ mod tests {
             let found = findings(&scene(vec![], spheres));
             let half = (0.62_f64.powi(2) - 0.2_f64.powi(2) - 0.3_f64.powi(2)).sqrt();
             let inside = frames_between(0.1 - half, 0.1 + half);
-            assert_eq!(found[0].frames, Frames::of(inside.iter().copied()));
-            assert!(matches!(found[0].kind, Oddity::Inside { .. }));
+            assert_eq!(found[0].frames, FrameRuns::of(inside.iter().copied()));
+            assert!(matches!(found[0].kind, WarningKind::InsideSolid { .. }));
             let passed = [inside[0] - 1, inside[inside.len() - 1]];
-            assert_eq!(found[1].frames, Frames::of(passed));
+            assert_eq!(found[1].frames, FrameRuns::of(passed));
         }
         assert_eq!(findings(&scene(vec![], &[sky])), []);
         // Past things in it, where it sees fronts, too.
@@ -152,8 +155,8 @@ mod tests {
             let min = DVec3::new(0.1, 0.0, -5.0);
             let wall = cuboid(min, DVec3::new(0.1 + thickness, 4.0, 5.0));
             let found = findings(&scene(vec![hall(), wall], &[]));
-            assert_eq!(found[0].kind, Oddity::Through, "{thickness}");
-            assert_eq!(found[0].frames, Frames::of([12]));
+            assert_eq!(found[0].kind, WarningKind::CrossesSurface, "{thickness}");
+            assert_eq!(found[0].frames, FrameRuns::of([12]));
         }
     }
 
@@ -167,17 +170,17 @@ mod tests {
         };
         for sheet in [sheet.clone(), inverted(sheet)] {
             let found = findings(&scene(vec![hall(), sheet], &[]));
-            assert_eq!(found[0].kind, Oddity::Through);
-            assert_eq!(found[0].frames, Frames::of([12]));
+            assert_eq!(found[0].kind, WarningKind::CrossesSurface);
+            assert_eq!(found[0].frames, FrameRuns::of([12]));
         }
     }
 
     #[test]
     fn a_hall_that_is_left_is_no_body() {
         let path = walk(DVec3::new(0.1, 1.7, 0.0), DVec3::new(6.0, 1.7, 0.0));
-        let found = find(&scene(vec![hall()], &[]), &Flight::new(&path), 0.01);
+        let found = find(&scene(vec![hall()], &[]), &FrameCameras::of(&path), 0.01);
         assert_eq!(found.len(), 1, "{found:?}");
-        assert_eq!(found[0].kind, Oddity::Through);
+        assert_eq!(found[0].kind, WarningKind::CrossesSurface);
     }
 
     #[test]
@@ -186,13 +189,17 @@ mod tests {
         let scene = scene(vec![hall(), wall], &[]);
         let found = |places: &[f64]| {
             let camera = |x: &f64| still(DVec3::new(*x, 1.0, 0.0), DVec3::NEG_Z);
-            let found = find(&scene, &flight(places.iter().map(camera).collect()), 1e-9);
+            let found = find(
+                &scene,
+                &open_shot(places.iter().map(camera).collect()),
+                1e-9,
+            );
             found
                 .into_iter()
-                .find(|f| matches!(f.kind, Oddity::Inside { .. }))
+                .find(|f| matches!(f.kind, WarningKind::InsideSolid { .. }))
         };
         let in_wall = found(&[-0.5, 0.0, 0.25, 0.4]).expect("inside");
-        assert_eq!(in_wall.frames, Frames::of([2, 3]));
+        assert_eq!(in_wall.frames, FrameRuns::of([2, 3]));
         assert_eq!(found(&[-0.5, 0.0, -0.25, -0.4]), None);
     }
 
@@ -200,13 +207,16 @@ mod tests {
     fn jumps_into_a_body_are_found() {
         let scene = scene(vec![hall(), pillar()], &[]);
         let camera = |x: f64| still(DVec3::new(x, 1.0, 0.0), DVec3::NEG_Z);
-        let mut flight = flight([-1.0, -1.1, 0.2, 0.3, 2.0].map(camera).to_vec());
-        flight.cuts[1] = true;
-        flight.cuts[3] = true;
-        let found = find(&scene, &flight, NEAR);
+        let mut frames = open_shot([-1.0, -1.1, 0.2, 0.3, 2.0].map(camera).to_vec());
+        frames.cuts.push(1);
+        frames.cuts.push(3);
+        let found = find(&scene, &frames, NEAR);
         assert_eq!(found.len(), 1, "{found:?}");
-        assert_eq!(found[0].frames, Frames::of([2, 3]));
-        assert!(matches!(found[0].kind, Oddity::Inside { frame: 3, .. }));
+        assert_eq!(found[0].frames, FrameRuns::of([2, 3]));
+        assert!(matches!(
+            found[0].kind,
+            WarningKind::InsideSolid { frame: 3, .. }
+        ));
     }
 
     #[test]
@@ -214,10 +224,10 @@ mod tests {
         let ball = (DVec3::new(0.0, 1.5, 0.0), 0.9);
         let at = |x: f64| DVec3::new(x, 1.5, 0.0);
         let is_inside = |scene: &Scene| {
-            let found = find(scene, &Flight::new(&walk(at(-0.3), at(0.4))), 0.1);
+            let found = find(scene, &FrameCameras::of(&walk(at(-0.3), at(0.4))), 0.1);
             found
                 .iter()
-                .any(|f| matches!(f.kind, Oddity::Inside { .. }))
+                .any(|f| matches!(f.kind, WarningKind::InsideSolid { .. }))
         };
         assert!(is_inside(&scene(vec![hall()], &[ball])));
         // A ball that is all there is, one below the sky, and a house on a landscape, are rooms.
@@ -238,12 +248,12 @@ mod tests {
         let found = |within| {
             let scene = scene(vec![plate.clone()], &[]);
             let at = |x| DVec3::new(x, 1.7, 0.0);
-            find(&scene, &Flight::new(&walk(at(-1.0), at(1.0))), within)
+            find(&scene, &FrameCameras::of(&walk(at(-1.0), at(1.0))), within)
         };
         assert_eq!(found(0.1999), []);
         let all = &found(0.2001)[0];
-        assert_eq!(all.frames, Frames::of(0..=24));
-        let Oddity::Near { distance, .. } = all.kind else {
+        assert_eq!(all.frames, FrameRuns::of(0..=24));
+        let WarningKind::NearSurface { distance, .. } = all.kind else {
             panic!("{all:?}")
         };
         assert!((distance - 0.2).abs() < 1e-6);

@@ -1,64 +1,75 @@
-//! Cameras that keep +Y up, or have a roll to it, and look almost straight up or down: their pictures spin.
+//! Spins of the picture: a camera that keeps +Y up, or has a roll to it, turns fast about the vertical when it looks
+//! almost straight up or down.
 
-use super::finding::Measured;
-use super::flight::Flight;
-use super::{Finding, Oddity};
-use crate::camera::{Camera, Steering};
+use super::steps::measure_steps;
+use super::warning::Measured;
+use super::{PathWarning, WarningKind};
+use crate::camera::{Camera, FrameCameras, OrientationMode};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A heading that turns faster spins, in radians per second.
+/// The least rate of the heading that is a spin, in radians per second.
 const LEAST_TURN: f64 = 2.0 / 3.0 * PI;
 
-/// So much more than the view the heading turns near the vertical: within 5 degrees of it, and where the camera
-/// gets past it from one frame to the next.
-const MORE: f64 = 11.0;
+/// The least ratio of the heading's turn to that of the view direction: that of a view within 5 degrees of the vertical,
+/// or past it from one frame to the next.
+const LEAST_RATIO: f64 = 11.0;
 
-/// A camera whose right is horizontal but for so much keeps +Y up.
+/// Tolerance for "no roll": the vertical component of the camera's right direction.
 const LEVEL: f64 = 1e-6;
 
-pub(super) fn find(flight: &Flight) -> Vec<Finding> {
-    // The right of a camera without roll, whose picture is level.
-    let right = |camera: &Camera| match flight.steering {
-        Steering::Points => Some(DVec3::Y.cross(camera.rotation.z_axis)),
-        // The path itself says how the picture turns.
-        Steering::Angles => None,
-        Steering::Rotations => Some(camera.rotation.x_axis).filter(|right| right.y.abs() < LEVEL),
+pub(super) fn find(frames: &FrameCameras, mode: OrientationMode) -> Vec<PathWarning> {
+    // The right direction of the camera without its roll.
+    let right = |camera: &Camera| match mode {
+        OrientationMode::LookAt => Some(DVec3::Y.cross(camera.rotation.z_axis)),
+        // Angles that the file gives are intended.
+        OrientationMode::YawPitchRoll => None,
+        OrientationMode::Rotation => {
+            Some(camera.rotation.x_axis).filter(|right| right.y.abs() < LEVEL)
+        }
     };
-    let turns = flight.steps(|from, to| {
+    let turns = measure_steps(frames, |from, to| {
         let heading = right(from)?.angle_between(right(to)?);
         let view = from.rotation.z_axis.angle_between(to.rotation.z_axis);
-        (heading > LEAST_TURN / flight.fps && heading > MORE * view).then_some(heading)
+        (heading > LEAST_TURN / frames.fps && heading > LEAST_RATIO * view).then_some(heading)
     });
     let found: Vec<Measured> = (turns.into_iter().enumerate())
         .filter_map(|(frame, turn)| Some((frame, turn??)))
         .collect();
-    let count = flight.cameras.len();
+    let count = frames.cameras.len();
     let from_vertical = |frame: usize| {
-        let up = flight.cameras[frame % count].rotation.z_axis.y.abs();
+        let up = frames.cameras[frame % count].rotation.z_axis.y.abs();
         up.min(1.0).acos()
     };
-    let finding = Finding::of(&found, |frame, turn| Oddity::Spinning {
+    let warning = PathWarning::of(&found, |frame, turn| WarningKind::SpinsNearVertical {
         frame,
         turn,
         from_vertical: from_vertical(frame as usize).min(from_vertical(frame as usize + 1)),
     });
-    finding.into_iter().collect()
+    warning.into_iter().collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::stage::{FPS, flight, path, still};
+    use super::super::fixtures::{FPS, open_shot, path, still};
     use super::*;
-    use crate::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
+    use crate::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment};
     use glam::DMat3;
 
+    fn of_path(path: &CameraPath) -> Vec<PathWarning> {
+        find(&FrameCameras::of(path), path.orientation_mode())
+    }
+
+    fn of_cameras(cameras: Vec<Camera>) -> Vec<PathWarning> {
+        find(&open_shot(cameras), OrientationMode::Rotation)
+    }
+
     /// Past a point 3 m below, so many metres beside it.
-    fn fly_over(beside: f64) -> Vec<Finding> {
+    fn fly_over(beside: f64) -> Vec<PathWarning> {
         let target = DVec3::new(beside, -3.0, 0.0);
         let at = |z| DVec3::new(0.0, 0.0, z);
         let keys = [(0.0, at(3.0), target), (4.0, at(-3.0), target)];
-        find(&Flight::new(&path(Shape::Linear, &keys)))
+        of_path(&path(Interpolation::Linear, &keys))
     }
 
     #[test]
@@ -66,7 +77,7 @@ mod tests {
         assert_eq!(fly_over(1.0), []);
         let found = fly_over(0.1);
         assert_eq!(found.len(), 1);
-        let Oddity::Spinning {
+        let WarningKind::SpinsNearVertical {
             frame,
             turn,
             from_vertical,
@@ -86,9 +97,9 @@ mod tests {
     #[test]
     fn looking_past_the_vertical_in_one_step_is_found() {
         let camera = |z: f64| still(DVec3::ZERO, DVec3::new(0.0, -1.0, z));
-        let found = find(&flight([0.5, 0.12, -0.12, -0.5].map(camera).to_vec()));
+        let found = of_cameras([0.5, 0.12, -0.12, -0.5].map(camera).to_vec());
         assert_eq!(found.len(), 1);
-        let Oddity::Spinning { frame: 1, turn, .. } = found[0].kind else {
+        let WarningKind::SpinsNearVertical { frame: 1, turn, .. } = found[0].kind else {
             panic!("{found:?}")
         };
         assert!((turn - PI).abs() < 1e-6);
@@ -102,11 +113,11 @@ mod tests {
             position: DVec3::new(0.0, 0.0, z),
             orientation,
             field_of_view: 1.0,
-            segment: Segment::of(Shape::Linear),
+            segment: Segment::of(Interpolation::Linear),
         };
         let found = |keys: [Keyframe; 2]| {
-            let path = CameraPath::new(FPS, &keys, &Pace::BY_KEYS).expect("a path");
-            find(&Flight::new(&path))
+            let path = CameraPath::new(FPS, &keys, &PathTiming::BY_KEYS).expect("a path");
+            of_path(&path)
         };
         let rolled = [(0.0, 3.0), (4.0, -3.0)]
             .map(|place| key(place, Orientation::LookAt { target, roll: 0.3 }));
@@ -123,14 +134,14 @@ mod tests {
             let (sin, cos) = (0.3 * f64::from(i)).sin_cos();
             still(DVec3::ZERO, DVec3::new(cos, -1.0, sin))
         };
-        assert_eq!(find(&flight((0..20).map(pan).collect())), []);
+        assert_eq!(of_cameras((0..20).map(pan).collect()), []);
         // Loops the loop.
         for step in [0.02, 0.3] {
             let turned = |i: u32| Camera {
                 rotation: DMat3::from_rotation_x(-step * f64::from(i)),
                 ..still(DVec3::ZERO, DVec3::X)
             };
-            assert_eq!(find(&flight((0..400).map(turned).collect())), []);
+            assert_eq!(of_cameras((0..400).map(turned).collect()), []);
         }
     }
 }

@@ -1,8 +1,7 @@
-//! Whether the camera is in a body, or in a room.
+//! Whether the camera is inside a solid object or in a room, from rays in all directions.
 
-use super::flight::Flight;
 use crate::accel::Traversal;
-use crate::camera::Camera;
+use crate::camera::{Camera, FrameCameras};
 use crate::geometry::Hit;
 use crate::math::Ray;
 use crate::sampling::uniform_sphere;
@@ -10,162 +9,165 @@ use crate::scene::Scene;
 use glam::Vec3;
 use std::ops::Range;
 
-/// The directions in which a camera looks around are the square of this.
+/// The square root of the number of directions of a probe.
 const DIRECTIONS: usize = 8;
 
-/// A camera inside a body sees surfaces from one side in so many of all directions, or more. Statues may be open
-/// at their feet.
+/// The least fraction of directions with the same side of surfaces that is the inside of a solid. Statues may be open at
+/// their feet.
 const NEARLY_ALL: f64 = 0.8;
 
-/// So many of all directions are most of them.
+/// The least fraction of directions that is most of them.
 const MOST: f64 = 0.65;
 
-/// Nobody means to walk with so little room, in metres: a house's walls may face outward, and a sky around it inward.
+/// The mean distance of surfaces, in metres, below which a camera path is not intended: the walls of a house may face
+/// outward, and a sky around it inward.
 const NARROW: f64 = 1.0;
 
-/// What there is all around a camera.
-pub(super) struct Sight {
-    /// In what share of all directions it sees the front of a surface.
+/// What rays in all directions from a camera hit.
+pub(super) struct Probe {
+    /// The fraction of all directions in which the front of a surface is seen.
     fronts: f64,
     /// The same of backs.
     backs: f64,
-    /// In what share of all directions the front of another surface is behind the first if that shows its back.
+    /// The fraction of all directions in which the first surface is seen from the back and the next from the front.
     fronts_behind_backs: f64,
     /// The harmonic mean of the distances of surfaces, in metres.
-    room: f64,
+    mean_distance: f64,
 }
 
-impl Sight {
-    /// In the picture and all beside it.
-    pub(super) fn new(scene: &Scene, camera: &Camera) -> Sight {
+impl Probe {
+    pub(super) fn new(scene: &Scene, camera: &Camera) -> Probe {
         let eye = eye(scene, camera);
         let at = |i: usize| (i as f32 + 0.5) / DIRECTIONS as f32;
         let rays: Vec<Ray> = (0..DIRECTIONS * DIRECTIONS)
             .map(|i| uniform_sphere(at(i % DIRECTIONS), at(i / DIRECTIONS)))
             .map(|direction| Ray::new(eye, direction))
             .collect();
-        let met = meet(scene, &rays);
-        let (fronts, backs): (Vec<&Met>, _) = met.iter().partition(|met| met.is_front);
-        let behind: Vec<Ray> = backs.iter().map(|met| met.onward).collect();
-        let behind = meet(scene, &behind);
-        let inverses: f64 = met.iter().map(|met| 1.0 / met.distance).sum();
+        let hits = hits(scene, &rays);
+        let (fronts, backs): (Vec<&ProbeHit>, _) = hits.iter().partition(|hit| hit.is_front);
+        let behind: Vec<Ray> = backs.iter().map(|hit| hit.onward).collect();
+        let behind = self::hits(scene, &behind);
+        let inverses: f64 = hits.iter().map(|hit| 1.0 / hit.distance).sum();
         let count = rays.len() as f64;
-        Sight {
+        Probe {
             fronts: fronts.len() as f64 / count,
             backs: backs.len() as f64 / count,
-            fronts_behind_backs: behind.iter().filter(|met| met.is_front).count() as f64 / count,
-            room: count / inverses,
+            fronts_behind_backs: behind.iter().filter(|hit| hit.is_front).count() as f64 / count,
+            mean_distance: count / inverses,
         }
     }
 }
 
-/// What a ray meets.
-struct Met {
+/// What a ray of a probe hits.
+struct ProbeHit {
     /// In metres.
     distance: f64,
     is_front: bool,
-    /// What goes on behind it.
+    /// The ray that continues behind the surface.
     onward: Ray,
 }
 
-/// What some rays meet, without those that meet nothing.
-fn meet(scene: &Scene, rays: &[Ray]) -> Vec<Met> {
-    // Of the distance: more than it is rounded by.
+/// The hits of some rays, without those that hit nothing.
+fn hits(scene: &Scene, rays: &[Ray]) -> Vec<ProbeHit> {
+    /// Relative to the distance: more than its rounding.
     const BEHIND: f64 = 1.0 + 1e-4;
     let mut hits = vec![None; rays.len()];
     scene.closest_incoherent(rays, &mut hits, &mut Traversal::default());
-    let met = |(ray, hit): (&Ray, Option<Hit>)| {
+    let probe_hit = |(ray, hit): (&Ray, Option<Hit>)| {
         let hit = hit?;
-        Some(Met {
+        Some(ProbeHit {
             distance: hit.t,
             is_front: scene.is_front(ray, &hit),
             onward: Ray::new(ray.at(BEHIND * hit.t).as_vec3(), ray.direction),
         })
     };
-    rays.iter().zip(hits).filter_map(met).collect()
+    rays.iter().zip(hits).filter_map(probe_hit).collect()
 }
 
-/// Frames between passages through surfaces.
-struct Stay {
+/// Frames between crossings of surfaces.
+struct Interval {
     frames: Range<usize>,
-    /// In how many more bodies than in the first frame of the shot, if their faces look outward.
+    /// The number of solids that contain the camera, relative to the first frame of the shot, if faces point outward.
     depth: i32,
-    /// The most room that there is.
-    room: f64,
+    /// The greatest mean distance of surfaces.
+    mean_distance: f64,
 }
 
-/// The frames in which the camera is inside a body, given what there is around it in each frame and in how many more
-/// bodies it is after the step to the next, if there is a surface on the way.
+/// The frames in which the camera is inside a solid object, from the probe of each frame and the change of depth over
+/// the step to the next frame, if that crosses a surface.
 ///
-/// There it sees the same side of surfaces all around, but so it does in a room. What tells them apart is what is
-/// beyond the surfaces through which it came or goes. A body whose faces look outward shows their backs inside,
-/// and is mostly narrower than what it stands in. If it is much narrower, and the camera is outside for longer, its
-/// faces may as well look inward.
+/// Inside a solid the camera sees the same side of surfaces all around, but so it does in a room. The spaces beyond the
+/// surfaces that it crosses tell them apart. A solid whose faces point outward shows their backs inside, and is mostly
+/// narrower than its surroundings. If it is much narrower, and the camera is outside for longer, its faces may as well
+/// point inward.
 ///
-/// Where the camera jumps in and out, or stays, it is inside if it sees nothing but backs, and either few elsewhere
-/// on the path or, with little room, the right side of what is behind them.
+/// Where the camera cuts in and out, or never leaves, it is inside if it sees nothing but backs, and either few of them
+/// elsewhere on the path or, with little room, fronts behind them.
 pub(super) fn frames_inside(
-    flight: &Flight,
-    sights: &[Sight],
-    passages: &[Option<i32>],
+    frames: &FrameCameras,
+    probes: &[Probe],
+    crossings: &[Option<i32>],
 ) -> Vec<usize> {
-    let others = sights.iter().filter(|sight| sight.backs < 0.5).count();
-    let sees_backs_seldom = 2 * others > sights.len();
+    let others = probes.iter().filter(|probe| probe.backs < 0.5).count();
+    let sees_backs_seldom = 2 * others > probes.len();
     let mut inside = Vec::new();
-    for shot in flight.shots() {
-        let sees_backs = |frame: &usize| sights[*frame].backs >= NEARLY_ALL;
-        let is_stuck = |sight: &Sight| sight.fronts_behind_backs >= MOST && sight.room < NARROW;
-        let faces_outward =
-            |frame: usize| sees_backs(&frame) && (sees_backs_seldom || is_stuck(&sights[frame]));
-        if shot.clone().all(faces_outward) {
+    for shot in frames.shots() {
+        let sees_backs = |frame: &usize| probes[*frame].backs >= NEARLY_ALL;
+        let is_narrow =
+            |probe: &Probe| probe.fronts_behind_backs >= MOST && probe.mean_distance < NARROW;
+        let is_in_solid =
+            |frame: usize| sees_backs(&frame) && (sees_backs_seldom || is_narrow(&probes[frame]));
+        if shot.clone().all(is_in_solid) {
             inside.extend(shot);
             continue;
         }
-        let stays = stays(shot, sights, passages);
-        for (i, stay) in stays.iter().enumerate() {
-            let beyond = [i.wrapping_sub(1), i + 1].map(|i| stays.get(i));
-            let is_in = |than: fn(&Stay, &Stay) -> bool| {
-                beyond
+        let intervals = intervals(shot, probes, crossings);
+        for (i, interval) in intervals.iter().enumerate() {
+            let beside = [i.wrapping_sub(1), i + 1].map(|i| intervals.get(i));
+            let any_beside = |is_outside: fn(&Interval, &Interval) -> bool| {
+                beside
                     .into_iter()
                     .flatten()
-                    .any(|beyond| than(beyond, stay))
+                    .any(|beside| is_outside(beside, interval))
             };
-            let outward = is_in(|out, own| out.depth < own.depth && 2.0 * out.room > own.room);
-            let inward = is_in(|out, own| {
+            let outward = any_beside(|out, own| {
+                out.depth < own.depth && 2.0 * out.mean_distance > own.mean_distance
+            });
+            let inward = any_beside(|out, own| {
                 out.depth > own.depth
-                    && out.room > 2.0 * own.room
+                    && out.mean_distance > 2.0 * own.mean_distance
                     && out.frames.len() > own.frames.len()
             });
-            inside.extend(stay.frames.clone().filter(|frame| {
-                outward && sees_backs(frame) || inward && sights[*frame].fronts >= NEARLY_ALL
+            inside.extend(interval.frames.clone().filter(|frame| {
+                outward && sees_backs(frame) || inward && probes[*frame].fronts >= NEARLY_ALL
             }));
         }
     }
     inside
 }
 
-fn stays(shot: Range<usize>, sights: &[Sight], passages: &[Option<i32>]) -> Vec<Stay> {
-    let mut stays: Vec<Stay> = Vec::new();
+fn intervals(shot: Range<usize>, probes: &[Probe], crossings: &[Option<i32>]) -> Vec<Interval> {
+    let mut intervals: Vec<Interval> = Vec::new();
     let mut depth = 0;
     for frame in shot {
-        let room = sights[frame].room;
-        match stays.last_mut() {
-            Some(stay) if stay.depth == depth => {
-                stay.frames.end = frame + 1;
-                stay.room = stay.room.max(room);
+        let mean_distance = probes[frame].mean_distance;
+        match intervals.last_mut() {
+            Some(interval) if interval.depth == depth => {
+                interval.frames.end = frame + 1;
+                interval.mean_distance = interval.mean_distance.max(mean_distance);
             }
-            _ => stays.push(Stay {
+            _ => intervals.push(Interval {
                 frames: frame..frame + 1,
                 depth,
-                room,
+                mean_distance,
             }),
         }
-        depth += passages[frame].unwrap_or(0);
+        depth += crossings[frame].unwrap_or(0);
     }
-    stays
+    intervals
 }
 
-/// Where rays of a camera start.
+/// The origin of the rays of a camera.
 pub(super) fn eye(scene: &Scene, camera: &Camera) -> Vec3 {
     (camera.position - scene.origin).as_vec3()
 }

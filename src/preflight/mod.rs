@@ -1,31 +1,30 @@
-//! What is odd about a camera path through a scene, frame by frame, before any is rendered: cameras in walls,
-//! jumps of the velocity, turns that strobe.
+//! Checks of a camera path through a scene before any frame is rendered: cameras inside objects, jumps of the velocity,
+//! pans that strobe.
 //!
-//! Knows nothing of files or terminals, nor of how light is gathered: it looks at where the camera is, and at
-//! what some rays of each frame meet.
+//! Knows nothing of files, terminals or light transport: it looks at the cameras of the frames and at what a few rays of
+//! each frame hit.
 
 mod contact;
-mod finding;
-mod flight;
-mod frames;
+#[cfg(test)]
+mod fixtures;
+mod frame_runs;
 mod heading;
 mod inside;
 mod motion;
 mod seam;
-#[cfg(test)]
-mod stage;
+mod steps;
 mod strobing;
+mod warning;
 
-pub use finding::{Finding, Oddity};
-pub use frames::Frames;
+pub use frame_runs::FrameRuns;
+pub use warning::{PathWarning, WarningKind};
 
-use crate::camera::CameraPath;
+use crate::camera::{CameraPath, FrameCameras};
 use crate::scene::Scene;
-use flight::Flight;
 use glam::DVec2;
 
-/// What is odd about a camera path whose frames have `width` x `height` pixels, the worst kinds first; nothing
-/// for a path that is as it should be. `near` is how many metres the camera should stay away from surfaces.
+/// Warnings about a camera path whose frames have `width` x `height` pixels, the worst kinds first; none for a faultless
+/// path. `near` is the distance in metres that the camera should keep from surfaces.
 ///
 /// Works on the threads of the current pool; the result does not depend on them.
 pub fn preflight(
@@ -34,22 +33,22 @@ pub fn preflight(
     width: u32,
     height: u32,
     near: f64,
-) -> Vec<Finding> {
-    let flight = Flight::new(path);
+) -> Vec<PathWarning> {
+    let frames = FrameCameras::of(path);
     let size = DVec2::new(width.into(), height.into());
-    let mut findings = contact::find(scene, &flight, near);
-    findings.extend(motion::find(&flight, height));
-    findings.extend(heading::find(&flight));
-    findings.extend(strobing::find(scene, &flight, size));
-    findings.extend(seam::find(&flight));
-    findings
+    let mut warnings = contact::find(scene, &frames, near);
+    warnings.extend(motion::find(&frames, height));
+    warnings.extend(heading::find(&frames, path.orientation_mode()));
+    warnings.extend(strobing::find(scene, &frames, size));
+    warnings.extend(seam::find(&frames));
+    warnings
 }
 
 #[cfg(test)]
 mod tests {
-    use super::stage::{hall, path, scene, walk};
+    use super::fixtures::{hall, path, scene, walk};
     use super::*;
-    use crate::camera::Shape;
+    use crate::camera::Interpolation;
     use glam::DVec3;
 
     #[test]
@@ -63,18 +62,18 @@ mod tests {
             (4.0, at(-1.0, 0.0), target),
             (6.0, at(0.0, -2.0), target),
         ];
-        let path = path(Shape::CatmullRom, &keys);
+        let path = path(Interpolation::CatmullRom, &keys);
         assert_eq!(preflight(&scene, &path, 1280, 720, 0.1), []);
     }
 
     #[test]
-    fn nothing_is_odd_where_there_is_nothing() {
+    fn an_empty_scene_gives_no_warnings() {
         let nothing = scene(vec![], &[]);
         let far = DVec3::splat(1e6);
         for path in [walk(far, far), walk(far, far + DVec3::X)] {
             assert_eq!(preflight(&nothing, &path, 1, 1, 0.1), []);
         }
-        let still = path(Shape::Linear, &[(0.0, far, DVec3::ZERO)]);
+        let still = path(Interpolation::Linear, &[(0.0, far, DVec3::ZERO)]);
         assert_eq!(preflight(&nothing, &still, 1280, 720, 0.1), []);
     }
 

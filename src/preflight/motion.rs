@@ -1,106 +1,112 @@
-//! How evenly the camera moves and turns.
+//! Jumps and spikes of the camera's velocity and angular velocity.
 
-use super::finding::Measured;
-use super::flight::Flight;
-use super::{Finding, Oddity};
+use super::steps::measure_steps;
+use super::warning::Measured;
+use super::{PathWarning, WarningKind};
+use crate::camera::FrameCameras;
 use glam::DVec3;
 
-/// A step so many times as long as the median is odd: ways in and out of rest and around corners make them
-/// differ by half as much.
+/// Ratio of a step to the median step above which it is a spike: easing and corners make steps differ by half as
+/// much.
 const FAST: f64 = 4.0;
 
-/// A change by more than this share of the usual speed is a jump: that of a corner of 11 degrees. Eyes tell speeds
-/// apart that differ by a quarter of it (McKee 1981, "A local mechanism for differential velocity detection").
+/// The least change that is a jump, relative to the median speed: that of a corner of 11 degrees. The eye tells apart
+/// speeds that differ by a quarter of it (McKee 1981, "A local mechanism for differential velocity detection").
 const LEAST_JUMP: f64 = 0.2;
 
-/// A jump, over two frames, is more than so many times as large as the change from frame to frame before and after
-/// it: more than twice what a steady change gives.
+/// The least ratio of a jump, over two frames, to the changes from frame to frame before and after it: twice that of a
+/// constant acceleration.
 const ABRUPT: f64 = 4.0;
 
-/// The two changes of a stutter are so many times the least jump, half the usual speed, and each is taken back by
-/// this share or more.
+/// A stutter is two changes of at least this many least jumps, that is half the median speed, each of which cancels at
+/// least this fraction of the other.
 const STUTTER: f64 = 2.5;
-const TAKEN_BACK: f64 = 0.5;
+const CANCELLED: f64 = 0.5;
 
-/// Shorter steps are what programs that keep single precision round to: this share of the coordinates, and at most
-/// so many metres.
+/// Steps below this fraction of the coordinates, and below this many metres, are rounding of programs that store single
+/// precision.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 const MOST_ROUNDING: f64 = 5e-4;
 
-/// Turns by fewer radians are rounding.
+/// The least turn in radians; smaller ones are rounding.
 const LEAST_TURN: f64 = 1e-6;
 
-/// A change of the turning by so many pixels per second is not seen.
+/// Jumps of the angular velocity below this many pixels per second are invisible.
 const UNSEEN_PIXELS: f64 = 24.0;
 
-pub(super) fn find(flight: &Flight, height: u32) -> Vec<Finding> {
-    let cameras = flight.cameras.iter();
+pub(super) fn find(frames: &FrameCameras, height: u32) -> Vec<PathWarning> {
+    let cameras = frames.cameras.iter();
     let size = cameras.fold(0.0_f64, |size, camera| {
         size.max(camera.position.abs().max_element())
     });
-    let fps = flight.fps;
-    let steps = flight.steps(|from, to| to.position - from.position);
-    let turns = flight.steps(|from, to| from.rotation * from.turn_to(to));
-    let mut findings = Vec::new();
-    if let Some(usual) = usual(&steps, (ROUNDING * size).min(MOST_ROUNDING)) {
+    let fps = frames.fps;
+    let steps = measure_steps(frames, |from, to| to.position - from.position);
+    let turns = measure_steps(frames, |from, to| from.rotation * from.turn_to(to));
+    let mut warnings = Vec::new();
+    if let Some(median) = median_length(&steps, (ROUNDING * size).min(MOST_ROUNDING)) {
         let length = |(frame, step): (usize, &Option<DVec3>)| Some((frame, (*step)?.length()));
         let fast: Vec<Measured> = (steps.iter().enumerate())
             .filter_map(length)
-            .filter(|(_, length)| *length > FAST * usual)
+            .filter(|(_, length)| *length > FAST * median)
             .collect();
-        let usual_speed = usual * fps;
-        findings.extend(Finding::of(&fast, |frame, length| Oddity::Fast {
-            frame,
-            speed: length * fps,
-            usual: usual_speed,
+        let median_speed = median * fps;
+        warnings.extend(PathWarning::of(&fast, |frame, length| {
+            WarningKind::SpeedSpike {
+                frame,
+                speed: length * fps,
+                median: median_speed,
+            }
         }));
-        let jumps = jumps(&steps, |_| LEAST_JUMP * usual);
-        let (at_seam, jumps) = apart(flight, jumps);
-        findings.extend(Finding::of(&jumps, |frame, jump| Oddity::VelocityJump {
-            frame,
-            jump: jump * fps,
-            usual: usual_speed,
-        }));
-        findings.extend(Finding::of(&at_seam, |_, jump| {
-            Oddity::VelocityJumpAtSeam {
+        let jumps = jumps(&steps, |_| LEAST_JUMP * median);
+        let (at_seam, jumps) = split_seam(frames, jumps);
+        warnings.extend(PathWarning::of(&jumps, |frame, jump| {
+            WarningKind::VelocityJump {
+                frame,
                 jump: jump * fps,
-                usual: usual_speed,
+                median: median_speed,
+            }
+        }));
+        warnings.extend(PathWarning::of(&at_seam, |_, jump| {
+            WarningKind::VelocityJumpAtSeam {
+                jump: jump * fps,
+                median: median_speed,
             }
         }));
     }
-    if let Some(usual) = usual(&turns, LEAST_TURN) {
-        let pixel = |frame: usize| 2.0 * flight.cameras[frame].half_height / f64::from(height);
+    if let Some(median) = median_length(&turns, LEAST_TURN) {
+        let pixel = |frame: usize| 2.0 * frames.cameras[frame].half_height / f64::from(height);
         let unseen = |frame| UNSEEN_PIXELS / fps * pixel(frame);
-        let jumps = jumps(&turns, |frame| unseen(frame).max(LEAST_JUMP * usual));
-        let (at_seam, jumps) = apart(flight, jumps);
-        findings.extend(Finding::of(&jumps, |frame, jump| Oddity::TurnJump {
-            frame,
-            jump: jump * fps,
+        let jumps = jumps(&turns, |frame| unseen(frame).max(LEAST_JUMP * median));
+        let (at_seam, jumps) = split_seam(frames, jumps);
+        warnings.extend(PathWarning::of(&jumps, |frame, jump| {
+            WarningKind::AngularVelocityJump {
+                frame,
+                jump: jump * fps,
+            }
         }));
-        findings.extend(Finding::of(&at_seam, |_, jump| Oddity::TurnJumpAtSeam {
-            jump: jump * fps,
+        warnings.extend(PathWarning::of(&at_seam, |_, jump| {
+            WarningKind::AngularVelocityJumpAtSeam { jump: jump * fps }
         }));
     }
-    findings
+    warnings
 }
 
 /// The median length of the steps that are longer than `least`; none if there are none.
-fn usual(steps: &[Option<DVec3>], least: f64) -> Option<f64> {
+fn median_length(steps: &[Option<DVec3>], least: f64) -> Option<f64> {
     let lengths = steps.iter().flatten().map(|step| step.length());
     let mut moving: Vec<f64> = lengths.filter(|length| *length > least).collect();
     moving.sort_unstable_by(f64::total_cmp);
     moving.get(moving.len() / 2).copied()
 }
 
-/// The frames at which steps change all at once, by more than `least` of the frame, and by how much.
+/// The frames at which steps change abruptly, by more than `least` of the frame, and the change.
 ///
-/// The change may be spread over two frames, as a corner is that lies between them: so steps are compared with
-/// those two before. It must stand out from the changes around, which a smooth curve's does not, be it as
-/// narrow as it may, or be taken back at once: a stutter. Where too little is known of what is around, at the ends of
-/// a shot, nothing is found.
+/// A corner between two frames spreads its change over both, so steps are compared with those two before. The change
+/// must stand out from the changes around it, which that of a smooth curve does not, however narrow it is, or be
+/// cancelled by the next one: a stutter. At the ends of a shot, without enough frames around, nothing is found.
 fn jumps(steps: &[Option<DVec3>], least: impl Fn(usize) -> f64) -> Vec<Measured> {
     let count = steps.len() as isize;
-    // The ends are joined: what is beyond the last frame of a path that is not closed is no step.
+    // Cyclic: after the last frame of an open path there is no step.
     let step = |frame: isize| steps[frame.rem_euclid(count) as usize];
     let difference = |from: isize, to: isize| -> Option<DVec3> {
         let all = (from..=to).all(|frame| step(frame).is_some());
@@ -108,7 +114,7 @@ fn jumps(steps: &[Option<DVec3>], least: impl Fn(usize) -> f64) -> Vec<Measured>
     };
     let length = |from, to| Some(difference(from, to)?.length());
     let jump = |frame: isize| {
-        // Of the same shot.
+        // Within one shot.
         let change = |offset: isize| {
             let (first, last) = (frame + offset.min(0) - 1, frame + offset.max(0));
             difference(first, last).and(difference(frame + offset - 1, frame + offset))
@@ -130,55 +136,55 @@ fn jumps(steps: &[Option<DVec3>], least: impl Fn(usize) -> f64) -> Vec<Measured>
     frames.collect()
 }
 
-/// Whether the inner two of four changes in a row take each other back, as where a frame is shown twice. Around a
-/// short stop, however it is eased, the outer two are of the same kind as those beside them.
+/// Whether the inner two of four successive changes cancel each other, as where a frame is shown twice. Around a short
+/// stop, however it is eased, each outer change continues the inner one beside it.
 fn is_stutter([before, first, second, after]: [Option<DVec3>; 4], least: f64) -> bool {
     let (Some(first), Some(second)) = (first, second) else {
         return false;
     };
-    let share = |a: DVec3, of: DVec3| a.dot(of) / of.length_squared();
+    let fraction = |a: DVec3, of: DVec3| a.dot(of) / of.length_squared();
     let is_alone =
-        |own, beside: Option<DVec3>| beside.is_none_or(|beside| share(beside, own) < TAKEN_BACK);
+        |own, beside: Option<DVec3>| beside.is_none_or(|beside| fraction(beside, own) < CANCELLED);
     first.length().min(second.length()) > STUTTER * least
-        && share(second, first) < -TAKEN_BACK
-        && share(first, second) < -TAKEN_BACK
+        && fraction(second, first) < -CANCELLED
+        && fraction(first, second) < -CANCELLED
         && is_alone(first, before)
         && is_alone(second, after)
 }
 
-/// What is found where a closed path goes on at its first frame, and what is found elsewhere.
-fn apart(flight: &Flight, found: Vec<Measured>) -> (Vec<Measured>, Vec<Measured>) {
-    let last = flight.cameras.len() - 1;
-    let is_at_seam = |(frame, _): &Measured| flight.is_closed && (*frame == 0 || *frame == last);
+/// Splits what is found at the seam of a closed path from what is found elsewhere.
+fn split_seam(frames: &FrameCameras, found: Vec<Measured>) -> (Vec<Measured>, Vec<Measured>) {
+    let last = frames.cameras.len() - 1;
+    let is_at_seam = |(frame, _): &Measured| frames.is_closed && (*frame == 0 || *frame == last);
     found.into_iter().partition(is_at_seam)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::stage::{FPS, flight, path, still};
+    use super::super::fixtures::{FPS, open_shot, path, still};
     use super::*;
-    use crate::camera::Shape::{self, CatmullRom, Linear};
-    use crate::camera::{CameraPath, Keyframe, Orientation, Pace, Segment};
-    use crate::preflight::Frames;
+    use crate::camera::Interpolation::{self, CatmullRom, Linear};
+    use crate::camera::{CameraPath, Keyframe, Orientation, PathTiming, Segment};
+    use crate::preflight::FrameRuns;
     use crate::sampling::Random;
     use std::f64::consts::{PI, TAU};
 
     const HEIGHT: u32 = 720;
 
     /// Looks at one point far away, so that it hardly turns.
-    fn of_places(shape: Shape, keys: &[(f64, f64, f64)]) -> Vec<Finding> {
+    fn of_places(interpolation: Interpolation, keys: &[(f64, f64, f64)]) -> Vec<PathWarning> {
         let target = DVec3::new(3.0, 0.0, -1e5);
         let keys: Vec<(f64, DVec3, DVec3)> = keys
             .iter()
             .map(|&(time, x, z)| (time, DVec3::new(x, 1.7, z), target))
             .collect();
-        find(&Flight::new(&path(shape, &keys)), HEIGHT)
+        find(&FrameCameras::of(&path(interpolation, &keys)), HEIGHT)
     }
 
     const CORNER: [(f64, f64, f64); 3] = [(0.0, 0.0, 0.0), (2.0, 0.0, -2.0), (4.0, 1.0, -3.7)];
 
     #[test]
-    fn smooth_paths_are_not_odd() {
+    fn smooth_paths_have_no_warnings() {
         assert_eq!(of_places(CatmullRom, &CORNER), []);
         assert_eq!(of_places(Linear, &[CORNER[0], CORNER[2]]), []);
         assert_eq!(of_places(Linear, &[CORNER[0]]), []);
@@ -203,8 +209,8 @@ mod tests {
                 DVec3::new(cos, 0.2, sin),
             )
         };
-        assert_eq!(find(&flight((0..240).map(around).collect()), HEIGHT), []);
-        let mut closed = flight((0..240).map(around).collect());
+        assert_eq!(find(&open_shot((0..240).map(around).collect()), HEIGHT), []);
+        let mut closed = open_shot((0..240).map(around).collect());
         closed.is_closed = true;
         assert_eq!(find(&closed, HEIGHT), []);
     }
@@ -225,16 +231,16 @@ mod tests {
                     orientation: Orientation::YawPitchRoll(angles),
                     field_of_view: 1.0,
                     segment: Segment {
-                        shape: CatmullRom,
+                        interpolation: CatmullRom,
                         ease_in: is_eased,
                         ease_out: is_eased,
                     },
                 }
             };
             let keys: Vec<Keyframe> = (0..8).map(&mut key).collect();
-            let path = CameraPath::new(FPS, &keys, &Pace::BY_KEYS).expect("keys");
-            let mut found = find(&Flight::new(&path), HEIGHT);
-            found.retain(|finding| !matches!(finding.kind, Oddity::Fast { .. }));
+            let path = CameraPath::new(FPS, &keys, &PathTiming::BY_KEYS).expect("keys");
+            let mut found = find(&FrameCameras::of(&path), HEIGHT);
+            found.retain(|finding| !matches!(finding.kind, WarningKind::SpeedSpike { .. }));
             assert_eq!(found, [], "{round}");
         }
     }
@@ -252,11 +258,11 @@ mod tests {
                     .iter()
                     .any(|runs| found[0].frames.runs() == runs)
             );
-            let Oddity::VelocityJump { jump, usual, .. } = found[0].kind else {
+            let WarningKind::VelocityJump { jump, median, .. } = found[0].kind else {
                 panic!("{found:?}")
             };
             assert!((jump - 0.522).abs() < 0.02, "{jump}");
-            assert!((usual - 0.99).abs() < 0.02, "{usual}");
+            assert!((median - 0.99).abs() < 0.02, "{median}");
         }
         // An end all at once, and one with a key on the way that changes nothing.
         let stop = [(0.0, 0.0, 0.0), (2.0, 0.0, -2.0), (4.0, 0.0, -2.0)];
@@ -264,7 +270,7 @@ mod tests {
         assert_eq!(found.len(), 1);
         assert!(matches!(
             found[0].kind,
-            Oddity::VelocityJump { frame: 48, .. }
+            WarningKind::VelocityJump { frame: 48, .. }
         ));
         assert_eq!(of_places(Linear, &[stop[0], (0.7, 0.0, -0.7), stop[1]]), []);
     }
@@ -279,7 +285,7 @@ mod tests {
         ];
         let found = of_places(CatmullRom, &dash);
         assert_eq!(found.len(), 1, "{found:?}");
-        let Oddity::Fast { frame, speed, .. } = found[0].kind else {
+        let WarningKind::SpeedSpike { frame, speed, .. } = found[0].kind else {
             panic!("{found:?}")
         };
         assert!((72..96).contains(&frame) && speed > 5.0 && speed < 12.0);
@@ -288,11 +294,11 @@ mod tests {
             let beside = if i == 30 { 0.02 } else { 0.0 };
             still(DVec3::new(beside, 0.0, -0.05 * f64::from(i)), DVec3::NEG_Z)
         };
-        let found = find(&flight((0..60).map(place).collect()), HEIGHT);
+        let found = find(&open_shot((0..60).map(place).collect()), HEIGHT);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(matches!(
             found[0].kind,
-            Oddity::VelocityJump { frame: 30, .. }
+            WarningKind::VelocityJump { frame: 30, .. }
         ));
     }
 
@@ -304,9 +310,9 @@ mod tests {
                 let distance = 0.05 * f64::from(i - i / period);
                 still(DVec3::NEG_Z * distance, DVec3::NEG_Z)
             };
-            let found = find(&flight((0..60).map(place).collect()), HEIGHT);
+            let found = find(&open_shot((0..60).map(place).collect()), HEIGHT);
             assert_eq!(found.len(), 1, "{found:?}");
-            assert!(matches!(found[0].kind, Oddity::VelocityJump { .. }));
+            assert!(matches!(found[0].kind, WarningKind::VelocityJump { .. }));
             assert!(found[0].frames.count() >= 60 / period - 2);
         }
     }
@@ -314,16 +320,16 @@ mod tests {
     #[test]
     fn corners_of_a_pan_are_jumps_of_the_turning() {
         // 10 degrees/s to the right, then as much to the left; then 10 degrees/s for good.
-        for (after, is_odd) in [(-1.0, true), (1.0, false)] {
+        for (after, is_corner) in [(-1.0, true), (1.0, false)] {
             let camera = |i: u32| {
                 let (before, after) = (i.min(40), after * f64::from(i.max(40) - 40));
                 let (sin, cos) = ((f64::from(before) + after) * PI / 18.0 / FPS).sin_cos();
                 still(DVec3::ZERO, DVec3::new(sin, 0.0, -cos))
             };
-            let found = find(&flight((0..80).map(camera).collect()), HEIGHT);
-            assert_eq!(found.len(), usize::from(is_odd), "{found:?}");
+            let found = find(&open_shot((0..80).map(camera).collect()), HEIGHT);
+            assert_eq!(found.len(), usize::from(is_corner), "{found:?}");
             for finding in found {
-                let Oddity::TurnJump { frame: 40, jump } = finding.kind else {
+                let WarningKind::AngularVelocityJump { frame: 40, jump } = finding.kind else {
                     panic!("{finding:?}")
                 };
                 assert!((jump - PI / 9.0).abs() < 1e-9);
@@ -336,7 +342,7 @@ mod tests {
                 DVec3::new(1e-5 * f64::from(i.min(40)), 0.0, -1.0),
             )
         };
-        assert_eq!(find(&flight((0..80).map(slow).collect()), HEIGHT), []);
+        assert_eq!(find(&open_shot((0..80).map(slow).collect()), HEIGHT), []);
     }
 
     #[test]
@@ -348,25 +354,28 @@ mod tests {
         };
         let back = |frame: u32| DVec3::new(-1.0 + 2.0 * f64::from(frame) / 100.0, 0.0, 0.0);
         let places = (0..100).map(arc).chain((0..100).map(back));
-        let mut flight = flight(places.map(|place| still(place, DVec3::NEG_Z)).collect());
-        let found = find(&flight, HEIGHT);
+        let mut frames = open_shot(places.map(|place| still(place, DVec3::NEG_Z)).collect());
+        let found = find(&frames, HEIGHT);
         assert_eq!(found.len(), 1);
-        assert_eq!(found[0].frames, Frames::of([100]));
-        flight.is_closed = true;
-        let found = find(&flight, HEIGHT);
+        assert_eq!(found[0].frames, FrameRuns::of([100]));
+        frames.is_closed = true;
+        let found = find(&frames, HEIGHT);
         assert_eq!(found.len(), 2);
-        assert_eq!(found[1].frames, Frames::of([0]));
-        assert!(matches!(found[1].kind, Oddity::VelocityJumpAtSeam { .. }));
+        assert_eq!(found[1].frames, FrameRuns::of([0]));
+        assert!(matches!(
+            found[1].kind,
+            WarningKind::VelocityJumpAtSeam { .. }
+        ));
         // A jump of the camera there is meant.
-        flight.cuts[199] = true;
-        assert_eq!(find(&flight, HEIGHT).len(), 1);
+        frames.cuts.push(199);
+        assert_eq!(find(&frames, HEIGHT).len(), 1);
     }
 
     #[test]
-    fn cameras_that_stand_are_not_odd() {
+    fn standing_cameras_have_no_warnings() {
         for count in [1, 2, 3, 50] {
             let cameras = vec![still(DVec3::splat(1e6), DVec3::X); count];
-            assert_eq!(find(&flight(cameras), HEIGHT), []);
+            assert_eq!(find(&open_shot(cameras), HEIGHT), []);
         }
     }
 }

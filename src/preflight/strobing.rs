@@ -1,40 +1,40 @@
-//! How far what is seen moves in the picture from one frame to the next.
+//! Strobing: image motion too fast for the frame rate.
 
-use super::finding::Measured;
-use super::flight::Flight;
-use super::{Finding, Oddity};
+use super::steps::measure_steps;
+use super::warning::Measured;
+use super::{PathWarning, WarningKind};
 use crate::accel::Traversal;
-use crate::camera::Camera;
+use crate::camera::{Camera, FrameCameras};
 use crate::math::Ray;
 use crate::scene::Scene;
 use glam::DVec2;
 
-/// So many points are followed in a row of the picture and in a column.
+/// Columns and rows of the grid of image points that are tracked.
 const POINTS: [usize; 2] = [16, 9];
 
-/// Something should cross the picture in so many frames, or more: 3 s of 24 a second. The cinematographers' rule for
-/// pans is 7 s, with a shutter that is open for half of the time; rendered frames are not blurred at all, and in
-/// less than half of that they are seen one by one.
+/// The least number of frames in which the image may move by its own width: 3 s at 24 frames per second. The
+/// cinematographers' rule for pans is 7 s, with a 180 degree shutter; frames without motion blur are seen one by one
+/// below half of that.
 const LEAST_FRAMES: f64 = 72.0;
 
-pub(super) fn find(scene: &Scene, flight: &Flight, size: DVec2) -> Vec<Finding> {
+pub(super) fn find(scene: &Scene, frames: &FrameCameras, size: DVec2) -> Vec<PathWarning> {
     let limit = size.x / LEAST_FRAMES;
-    let moved = flight.steps(|from, to| movement(scene, from, to, size));
+    let moved = measure_steps(frames, |from, to| movement(scene, from, to, size));
     let found: Vec<Measured> = (moved.into_iter().enumerate())
         .filter_map(|(frame, pixels)| Some((frame, pixels?)))
         .filter(|(_, pixels)| *pixels > limit)
         .collect();
-    let finding = Finding::of(&found, |frame, pixels| Oddity::Strobing {
+    let warning = PathWarning::of(&found, |frame, pixels| WarningKind::Strobing {
         frame,
         pixels,
         width: size.x,
-        seconds: size.x / (pixels * flight.fps),
-        least_seconds: LEAST_FRAMES / flight.fps,
+        seconds: size.x / (pixels * frames.fps),
+        least_seconds: LEAST_FRAMES / frames.fps,
     });
-    finding.into_iter().collect()
+    warning.into_iter().collect()
 }
 
-/// The median of the pixels by which points of a frame move to the next, at most the width of the picture.
+/// The median image motion from a frame to the next in pixels, at most the width of the picture.
 fn movement(scene: &Scene, from: &Camera, to: &Camera, size: DVec2) -> f64 {
     let rays = from.rays(size, scene.origin);
     let [columns, rows] = POINTS;
@@ -50,11 +50,11 @@ fn movement(scene: &Scene, from: &Camera, to: &Camera, size: DVec2) -> f64 {
         .map(|((film, ray), hit)| {
             let point = match hit {
                 Some(hit) => scene.origin + ray.at(hit.t),
-                // The background is infinitely far away: it moves only as the camera turns.
+                // The background is infinitely far away: only rotation moves it.
                 None => to.position + ray.direction.as_dvec3(),
             };
-            let place = to.project(size, point);
-            place.map_or(size.x, |place| place.distance(*film).min(size.x))
+            let next = to.project(size, point);
+            next.map_or(size.x, |next| next.distance(*film).min(size.x))
         })
         .collect();
     moved.sort_unstable_by(f64::total_cmp);
@@ -63,9 +63,9 @@ fn movement(scene: &Scene, from: &Camera, to: &Camera, size: DVec2) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stage::{FPS, flight, hall, path, scene, still, walk};
+    use super::super::fixtures::{FPS, hall, open_shot, path, scene, still, walk};
     use super::*;
-    use crate::camera::Shape;
+    use crate::camera::Interpolation;
     use glam::DVec3;
 
     const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
@@ -99,7 +99,7 @@ mod tests {
             };
             find(
                 &scene(vec![hall()], &[]),
-                &flight((0..9).map(camera).collect()),
+                &open_shot((0..9).map(camera).collect()),
                 SIZE,
             )
         };
@@ -107,7 +107,7 @@ mod tests {
         assert_eq!(pan(15.0), []);
         let found = pan(60.0);
         assert_eq!(found[0].frames.runs(), [[0, 7]]);
-        let Oddity::Strobing {
+        let WarningKind::Strobing {
             pixels,
             seconds,
             least_seconds,
@@ -128,8 +128,12 @@ mod tests {
     #[test]
     fn turning_away_is_a_whole_picture() {
         let cameras = [DVec3::NEG_Z, DVec3::Z].map(|direction| still(DVec3::Y, direction));
-        let found = find(&scene(vec![hall()], &[]), &flight(cameras.to_vec()), SIZE);
-        let Oddity::Strobing {
+        let found = find(
+            &scene(vec![hall()], &[]),
+            &open_shot(cameras.to_vec()),
+            SIZE,
+        );
+        let WarningKind::Strobing {
             frame: 0, pixels, ..
         } = found[0].kind
         else {
@@ -143,17 +147,16 @@ mod tests {
         let scene = scene(vec![hall()], &[]);
         let at = |z| DVec3::new(0.5, 1.7, z);
         assert_eq!(
-            find(&scene, &Flight::new(&walk(at(3.0), at(1.6))), SIZE),
+            find(&scene, &FrameCameras::of(&walk(at(3.0), at(1.6))), SIZE),
             []
         );
         let around = |x: f64| DVec3::new(x, 1.7, 3.0);
         let keys = [(0.0, around(-1.0), DVec3::Y), (2.0, around(1.0), DVec3::Y)];
-        let mut flight = Flight::new(&path(Shape::Linear, &keys));
-        assert_eq!(find(&scene, &flight, SIZE), []);
-        flight.cameras.push(still(at(0.0), DVec3::Z));
-        flight.cuts.push(false);
-        assert_eq!(find(&scene, &flight, SIZE).len(), 1);
-        flight.cuts[48] = true;
-        assert_eq!(find(&scene, &flight, SIZE), []);
+        let mut frames = FrameCameras::of(&path(Interpolation::Linear, &keys));
+        assert_eq!(find(&scene, &frames, SIZE), []);
+        frames.cameras.push(still(at(0.0), DVec3::Z));
+        assert_eq!(find(&scene, &frames, SIZE).len(), 1);
+        frames.cuts.push(48);
+        assert_eq!(find(&scene, &frames, SIZE), []);
     }
 }

@@ -31,7 +31,7 @@ impl RenderedFrame {
     /// was left to chance.
     pub fn halves(&self) -> [Film; 2] {
         match &self.deviation {
-            Some(deviation) => [1.0, -1.0].map(|sign| self.film.mixed(1.0, deviation, sign)),
+            Some(deviation) => [1.0, -1.0].map(|sign| self.film.weighted_sum(1.0, deviation, sign)),
             None => [self.film.clone(), self.film.clone()],
         }
     }

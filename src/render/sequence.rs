@@ -231,7 +231,7 @@ fn message(panic: &(dyn Any + Send)) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Keyframe, Orientation, Pace, Segment, Shape};
+    use crate::camera::{Interpolation, Keyframe, Orientation, PathTiming, Segment};
     use crate::integrator::IntegratorSettings;
     use crate::render::RenderSettings;
     use crate::scene::SceneBuilder;
@@ -330,10 +330,10 @@ mod tests {
                 roll: 0.0,
             },
             field_of_view: 1.0,
-            segment: Segment::of(Shape::Linear),
+            segment: Segment::of(Interpolation::Linear),
         };
         let keys = [key(0.0), key(999.0)];
-        let path = CameraPath::new(1.0, &keys, &Pace::BY_KEYS).expect("a path");
+        let path = CameraPath::new(1.0, &keys, &PathTiming::BY_KEYS).expect("a path");
         let settings = RenderSettings::new(IntegratorSettings::Whitted { bounces: 0 }, 4, 4);
         let pool = rayon::ThreadPoolBuilder::new().build().expect("threads");
         let renderer = Renderer::new(&scene, settings, None).expect("needs no cache");

@@ -256,7 +256,7 @@ fn mean_of([a, b]: &[TwoFrames; 2]) -> TwoFrames {
 
 /// Of two, so much of each, frame by frame.
 fn mixed(of: &TwoFrames, other: &TwoFrames, shares: [f32; 2]) -> TwoFrames {
-    [0, 1].map(|i| of[i].mixed(shares[0], &other[i], shares[1]))
+    [0, 1].map(|i| of[i].weighted_sum(shares[0], &other[i], shares[1]))
 }
 
 #[cfg(test)]

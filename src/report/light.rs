@@ -57,7 +57,7 @@ impl PathLight {
             seconds: seconds.wall,
             cpu_seconds: seconds.cpu,
             frames: inputs.path.timeline().frame_count(),
-            places: baked.cache.place_count(),
+            places: baked.cache.record_count(),
             bytes: baked.cache.memory(),
         };
         PathLight { baked, bake }

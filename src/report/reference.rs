@@ -1,6 +1,6 @@
 use super::{Inputs, Progress, ReferenceRow, ReportError, TINY};
 use crate::frames::{decode_exr, encode_exr, note_of_exr};
-use crate::input::{GlobalIllumination, LEAST_TARGET_ERROR, Mode, Settings};
+use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Settings};
 use crate::metrics::Reference;
 use crate::render::{RenderSettings, Renderer};
 use crate::storage::write_atomic;
@@ -37,7 +37,7 @@ pub(super) fn work(inputs: &Inputs, is_tiny: bool) -> f64 {
 /// What has a million paths in each of its few pixels needs a better reference.
 fn wanted_error(inputs: &Inputs, is_tiny: bool) -> f64 {
     let factor = if is_tiny { 0.01 } else { 1.0 };
-    (factor * inputs.reference_error).max(LEAST_TARGET_ERROR)
+    (factor * inputs.reference_error).max(MIN_TARGET_ERROR)
 }
 
 /// The reference of one frame: montecarlo with samples spread over each pixel, added until its own relMSE is

@@ -1,4 +1,4 @@
-use crate::input::{GlobalIllumination, LEAST_TARGET_ERROR, Mode, Settings};
+use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Settings};
 
 /// About how many paths take as long as a camera sample that gathers nothing.
 pub(super) const WITHOUT_PATHS: f64 = 0.2;
@@ -181,7 +181,7 @@ impl Technique {
     /// light that is looked up.
     pub(super) fn falls_with_samples(&self) -> bool {
         let targeted = Settings {
-            target_error: Some(LEAST_TARGET_ERROR),
+            target_error: Some(MIN_TARGET_ERROR),
             ..self.settings.clone()
         };
         let is_free = self.settings.target_error.is_none() && !self.looks_up();

@@ -1,7 +1,7 @@
-//! Sample numbers and the shapes they are warped to.
+//! Random and quasi-random numbers, and their warps to directions.
 //!
-//! Every number is a function of (seed, frame, pixel, sample, dimension), so a pixel is the
-//! same whatever thread, order or machine renders it.
+//! Every number of a [`Sequence`] is a function of (seed, frame, pixel, sample, dimension), so a pixel is the same
+//! whatever thread, order or machine renders it.
 
 mod random;
 mod sequence;

@@ -1,12 +1,15 @@
+//! A pseudo-random generator for where there is no film position to draw for: the upper bits of a linear
+//! congruential generator with the constants of MMIX (Knuth, "The Art of Computer Programming", volume 2, section
+//! 3.3.4).
+
 use glam::{DVec3, Vec3};
 
-/// Numbers that look like chance, the same in every run, where there is no film position to draw for: the
-/// upper bits of a linear congruential sequence (constants of D. Knuth's MMIX).
+/// A generator of pseudo-random numbers. The same seed gives the same numbers on every machine.
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
 impl Random {
-    /// The numbers of a seed.
+    /// A generator with a seed.
     pub fn new(seed: u64) -> Random {
         Random(seed)
     }
@@ -19,12 +22,12 @@ impl Random {
         self.0
     }
 
-    /// A number in [0, 1).
+    /// A number uniform in [0, 1).
     pub fn unit(&mut self) -> f32 {
         (self.next() >> 40) as f32 / (1 << 24) as f32
     }
 
-    /// A point of the box from -`size` to `size`.
+    /// A point uniform in the cube from -`size` to `size`.
     pub fn vector(&mut self, size: f32) -> Vec3 {
         Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0 * size
     }
@@ -39,17 +42,17 @@ impl Random {
         ]
     }
 
-    /// As [`Random::vector`], of side 1.
+    /// A point uniform in the cube from -1 to 1.
     pub fn point(&mut self) -> DVec3 {
         self.vector(1.0).as_dvec3()
     }
 
-    /// A whole number below `count`.
+    /// An integer uniform in 0..`count`.
     pub fn below(&mut self, count: usize) -> usize {
         (((self.next() >> 32) * count as u64) >> 32) as usize
     }
 
-    /// A whole number from -`size` to `size`.
+    /// An integer uniform in -`size`..=`size`.
     pub fn whole(&mut self, size: i64) -> i64 {
         self.below(2 * size as usize + 1) as i64 - size
     }

@@ -1,11 +1,11 @@
-/// The sample numbers of one film position in one frame: Owen-scrambled Sobol points.
+//! Owen-scrambled Sobol points, padded: only the first two Sobol dimensions are used, which together are a
+//! (0, 2)-sequence; further pairs of dimensions are the same points, shuffled and scrambled anew (Burley 2020,
+//! "Practical Hash-based Owen Scrambling", JCGT 9(4), section 5).
+
+/// The sample points of one film position in one frame.
 ///
-/// Film positions are pixels or, when neighbours share their corners, lattice points. Sequences
+/// Film positions are pixels or, where neighbouring pixels share the samples in their corners, the corners. Sequences
 /// of different film positions, frames or seeds are independent of each other.
-///
-/// Only the first two Sobol dimensions are used, which together are a (0, 2)-sequence; further
-/// pairs are the same points in another order, scrambled anew (Burley 2020, "Practical Hash-based
-/// Owen Scrambling", JCGT 9(4), section 5).
 #[derive(Clone, Copy, Debug)]
 pub struct Sequence {
     seed: u32,
@@ -30,32 +30,31 @@ impl Sequence {
         Sequence { seed }
     }
 
-    /// The numbers of one of the halves in which a position's samples are taken, independent of those of
-    /// the other.
+    /// The sequence for A/B half buffer `half` (0 or 1): independent of the other half's and of `self`.
     pub fn half(self, half: u32) -> Sequence {
         Sequence {
             seed: hash(self.seed ^ (half + 1).wrapping_mul(0x632b_e5ab)),
         }
     }
 
-    /// Two numbers in [0, 1) of sample `index`, for the purpose numbered `pair`.
+    /// The point of sample `index` in [0, 1) x [0, 1), in the pair of dimensions `pair`.
     ///
-    /// Any 2^k consecutive samples from a multiple of 2^k on are stratified as well as points in a
-    /// square can be.
+    /// Any 2^k consecutive samples from a multiple of 2^k on have one point in every elementary interval of area
+    /// 2^-k.
     #[inline]
     pub fn sample_2d(self, index: u32, pair: u32) -> [f32; 2] {
         let seed = hash(self.seed ^ pair.wrapping_mul(0x9e37_79b9));
         let index = owen_scramble(index, seed);
-        // The first dimension mirrors the bits of the index; scrambling would mirror them back.
+        // The first dimension reverses the bits of the index; scrambling would reverse them back.
         let x = scramble_reversed(index, seed.wrapping_mul(0x85eb_ca6b) ^ 0x68bc_21eb);
         let y = scramble_reversed(pascal(index), seed.wrapping_mul(0xc2b2_ae35) ^ 0x02e5_be93);
-        // Both mirrored at once; the halves change places.
+        // Both reversed at once, which swaps them.
         let both = (u64::from(x) << 32 | u64::from(y)).reverse_bits();
         [unit(both as u32), unit((both >> 32) as u32)]
     }
 
-    /// One number in [0, 1) of sample `index`, independent of the pair's points but in the same
-    /// strata over the samples.
+    /// The number of sample `index` in [0, 1), independent of the points of [`Sequence::sample_2d`] with the same
+    /// `pair`. Any 2^k consecutive samples from a multiple of 2^k on have one number in every 2^k-th of [0, 1).
     #[inline]
     pub fn sample_1d(self, index: u32, pair: u32) -> f32 {
         let seed = hash(self.seed ^ pair.wrapping_mul(0x9e37_79b9) ^ 0x5851_f42d);
@@ -80,19 +79,19 @@ impl Sequence {
     }
 }
 
-/// The upper 24 bits as a number in [0, 1): all that single precision can tell apart.
+/// The upper 24 bits as a number in [0, 1): the precision of `f32`.
 fn unit(bits: u32) -> f32 {
     (bits >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// Nested uniform scrambling, most significant bit first.
+/// Owen scrambling (nested uniform scrambling), most significant bit first.
 fn owen_scramble(value: u32, seed: u32) -> u32 {
     scramble_reversed(value.reverse_bits(), seed).reverse_bits()
 }
 
-/// Nested uniform scrambling, least significant bit first: each bit flips by a hash of those below
-/// it. Laine and Karras 2011's form with the constants of N. Vegdahl 2021, "Building a Better LK
-/// Hash". `seed` is hashed already.
+/// Owen scrambling of a number whose bits are reversed: each bit flips by a hash of those below it. The hash is of
+/// the form of Laine and Karras 2011, "Stratified Sampling for Stochastic Transparency", with the constants of
+/// Vegdahl 2021, "Building a Better LK Hash". `seed` is hashed already.
 fn scramble_reversed(mut value: u32, seed: u32) -> u32 {
     value = value.wrapping_add(hash(seed));
     value ^= value.wrapping_mul(0x6c50_b47c);
@@ -101,8 +100,8 @@ fn scramble_reversed(mut value: u32, seed: u32) -> u32 {
     value ^ value.wrapping_mul(0x8d22_f6e6)
 }
 
-/// The index times Pascal's matrix modulo 2: the second Sobol dimension, bits mirrored. The matrix
-/// is a Kronecker power of its 2 x 2 corner, so five steps do it.
+/// The second Sobol dimension, its bits reversed: the index times Pascal's matrix modulo 2. The matrix is a Kronecker
+/// power of its upper left 2 x 2 block, so the product takes five steps.
 fn pascal(mut index: u32) -> u32 {
     index ^= (index & 0xffff_0000) >> 16;
     index ^= (index & 0xff00_ff00) >> 8;
@@ -111,8 +110,7 @@ fn pascal(mut index: u32) -> u32 {
     index ^ (index & 0xaaaa_aaaa) >> 1
 }
 
-/// A bijective 32-bit hash of low bias: "lowbias32", C. Wellons 2018, "Prospecting for Hash
-/// Functions".
+/// A bijective 32-bit hash of low bias: "lowbias32" of Wellons 2018, "Prospecting for Hash Functions".
 fn hash(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x7feb_352d);

@@ -1,17 +1,20 @@
+//! Warps of the unit square to directions, through the concentric map of Shirley and Chiu 1997, "A Low Distortion Map
+//! Between Disk and Square".
+
 use glam::{Vec2, Vec3};
 
-/// A unit direction about +Z with density cos(theta) / pi, from two numbers in [0, 1).
+/// A unit direction around +Z with pdf cos(theta) / pi, from two numbers in [0, 1).
 ///
-/// The disk lifted to the hemisphere (Malley's method). Never below the horizon.
+/// The disk is projected up to the hemisphere (Malley's method). Never below the horizon.
 #[inline]
 pub fn cosine_hemisphere(u: f32, v: f32) -> Vec3 {
     let (disk, radius) = concentric_disk(u, v);
     disk.extend((1.0 - radius * radius).max(0.0).sqrt())
 }
 
-/// A unit direction with density 1 / (4 pi), from two numbers in 0..=1.
+/// A unit direction with pdf 1 / (4 pi), from two numbers in 0..=1.
 ///
-/// The disk wrapped around the sphere, equal areas to equal areas (Lambert's azimuthal projection).
+/// The disk is wrapped around the sphere by Lambert's azimuthal equal-area projection.
 #[inline]
 pub fn uniform_sphere(u: f32, v: f32) -> Vec3 {
     let (disk, radius) = concentric_disk(u, v);
@@ -19,16 +22,15 @@ pub fn uniform_sphere(u: f32, v: f32) -> Vec3 {
     (2.0 * rest.sqrt() * disk).extend(rest - radius * radius)
 }
 
-/// An even point of the unit disk and its distance from the middle.
-///
-/// The concentric map of Shirley and Chiu 1997: it keeps the strata of the square compact.
+/// A point uniform in the unit disk and its distance from the centre: the concentric map, which keeps the strata of
+/// the square compact.
 #[inline]
 fn concentric_disk(u: f32, v: f32) -> (Vec2, f32) {
     let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     if a == 0.0 && b == 0.0 {
         return (Vec2::ZERO, 0.0);
     }
-    // Of angle and complement one is within pi / 4 of an axis.
+    // The angle to the nearest axis is at most pi / 4.
     let (x, y) = if a.abs() > b.abs() {
         let (sin, cos) = sin_cos_eighth(b / a);
         (a * cos, a * sin)
@@ -39,8 +41,8 @@ fn concentric_disk(u: f32, v: f32) -> (Vec2, f32) {
     (Vec2::new(x, y), a.abs().max(b.abs()))
 }
 
-/// Sine and cosine of `x` pi / 4 for |x| <= 1, by their power series: accurate to an ulp, and the
-/// same on every machine, which a system's functions are not.
+/// Sine and cosine of `x` pi / 4 for |x| <= 1, by their power series: accurate to an ulp, and the same on every
+/// machine, unlike those of the system's mathematics library.
 fn sin_cos_eighth(x: f32) -> (f32, f32) {
     let angle = std::f32::consts::FRAC_PI_4 * x;
     let t = angle * angle;
@@ -67,7 +69,7 @@ mod tests {
         }
     }
 
-    /// Moments of an even density: E[x] = E[y] = E[z] = 0, E[x^2] = E[y^2] = E[z^2] = 1/3, E[z^4] = 1/5.
+    /// Moments of the uniform pdf: E[x] = E[y] = E[z] = 0, E[x^2] = E[y^2] = E[z^2] = 1/3, E[z^4] = 1/5.
     #[test]
     fn moments_of_the_sphere() {
         let n = 1000;
@@ -91,9 +93,9 @@ mod tests {
         }
     }
 
-    /// Moments of the density cos/pi: E[z] = 2/3, E[z^2] = 1/2, E[x] = E[y] = 0, E[x^2] = 1/4.
+    /// Moments of the pdf cos(theta) / pi: E[z] = 2/3, E[z^2] = 1/2, E[x] = E[y] = 0, E[x^2] = 1/4.
     #[test]
-    fn moments_of_the_cosine_density() {
+    fn moments_of_the_cosine_weighted_hemisphere() {
         let n = 1000;
         let mut sums = [0.0_f64; 5];
         for i in 0..n {

@@ -1,4 +1,5 @@
-//! Files that are there whole or not at all: written beside their name, brought to the disk, then renamed.
+//! Atomic file writes: a file is written under another name, synced to disk, then renamed, so it exists whole or not at
+//! all.
 
 mod part_file;
 

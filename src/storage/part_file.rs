@@ -1,3 +1,5 @@
+//! Part files: unfinished files beside their targets, locked by whoever writes them.
+
 use std::collections::hash_map::RandomState;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::hash::{BuildHasher, Hasher};
@@ -7,11 +9,12 @@ use std::path::{Path, PathBuf};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// A file that is not finished yet, under another name beside its own: `.NAME.part`.
+/// An unfinished file, under another name beside its target: `.NAME.part`. Dropped without [`PartFile::finish`], it is
+/// removed.
 ///
-/// It is locked while somebody writes it, and the system lets go of the lock when that process ends, however
-/// it ends. So nobody writes it beside its owner, and one that is not locked is a leftover. Where a file system
-/// knows no locks, only leftovers are not found.
+/// It is locked while it is written, and the system releases the lock when the process ends, however it ends. So only
+/// the owner of the lock writes it, and an unlocked part file is a leftover of a process that was killed. On a file
+/// system without locks, leftovers are not recognised.
 #[derive(Debug)]
 pub struct PartFile {
     file: File,
@@ -20,7 +23,7 @@ pub struct PartFile {
 }
 
 impl PartFile {
-    /// The one part of `target` that all who mean to write it agree on; none if somebody else writes it.
+    /// The part file of `target` that all its writers share, locked; none if another writer holds the lock.
     pub fn claim(target: &Path) -> io::Result<Option<PartFile>> {
         let part = beside(target, "");
         loop {
@@ -33,8 +36,7 @@ impl PartFile {
         }
     }
 
-    /// The one part of `target` that all who mean to write it agree on. Whoever else writes it is waited for, so long
-    /// at most, as they may hang; none if they still do.
+    /// As [`PartFile::claim`], but waits for another writer, `at_most` this long as it may hang.
     pub fn claim_in_turn(target: &Path, at_most: Duration) -> io::Result<Option<PartFile>> {
         let start = Instant::now();
         loop {
@@ -46,7 +48,7 @@ impl PartFile {
         }
     }
 
-    /// A part of `target` that nobody else writes, whoever else writes another.
+    /// A part file of `target` under a random name, which no other writer shares.
     pub fn own(target: &Path) -> io::Result<PartFile> {
         loop {
             // The standard library's hashes begin with random keys.
@@ -54,14 +56,14 @@ impl PartFile {
             let part = beside(target, &format!(".{number:016x}"));
             match PartFile::open(target, &part)? {
                 Opened::Locked(part) | Opened::Lockless(part) => return Ok(part),
-                // Somebody takes it for a leftover.
+                // Another process took it for a leftover.
                 Opened::Busy | Opened::Gone => {}
             }
         }
     }
 
     fn open(target: &Path, part: &Path) -> io::Result<Opened> {
-        // Nothing is cut before the lock is held: what is there may be somebody's, or even be finished by now.
+        // Not truncated before the lock is held: another writer may own it, or may have finished it meanwhile.
         let options = OpenOptions::new()
             .write(true)
             .create(true)
@@ -81,8 +83,8 @@ impl PartFile {
         }
     }
 
-    /// Whether the file that is open is still the one of this name: it may have been finished or removed
-    /// before the lock was held.
+    /// Whether the open file is still the one of this name: it may have been finished or removed before the lock was
+    /// held.
     fn has_its_name(&self) -> bool {
         let open = self.file.metadata();
         let named = fs::metadata(&self.part);
@@ -90,13 +92,13 @@ impl PartFile {
         open.ok().zip(named.ok()).is_some_and(same)
     }
 
-    /// Leaves the file as it is, to whom it belongs.
+    /// Leaves the file in place, as it belongs to another process.
     fn forget(mut self, instead: Opened) -> Opened {
         self.part.clear();
         instead
     }
 
-    /// Makes sure that so many bytes can be written, where the file system knows how.
+    /// Reserves disk space for so many bytes, where the file system supports it.
     pub fn reserve(&self, bytes: u64) -> io::Result<()> {
         use rustix::fs::{FallocateFlags, fallocate};
         use rustix::io::Errno;
@@ -106,7 +108,7 @@ impl PartFile {
         }
     }
 
-    /// Writes all of the file and gives it its name: whole or not at all, even if the machine stops in between.
+    /// Writes the whole file, syncs it to disk and renames it to its target: atomic even if the machine stops meanwhile.
     pub fn finish(mut self, bytes: &[u8]) -> io::Result<()> {
         self.file.write_all(bytes)?;
         self.file.set_len(bytes.len() as u64)?;
@@ -120,7 +122,7 @@ impl PartFile {
 impl Drop for PartFile {
     fn drop(&mut self) {
         if !self.part.as_os_str().is_empty() {
-            // Nothing more can be done about a leftover than to try.
+            // If this fails, `remove_leftovers` removes it later.
             let _ = fs::remove_file(&self.part);
         }
     }
@@ -128,9 +130,9 @@ impl Drop for PartFile {
 
 enum Opened {
     Locked(PartFile),
-    /// The file system knows no locks.
+    /// The file system supports no locks.
     Lockless(PartFile),
-    /// Somebody else holds the lock.
+    /// Another writer holds the lock.
     Busy,
     /// The file is no longer the one of this name.
     Gone,
@@ -141,8 +143,8 @@ fn beside(target: &Path, tag: &str) -> PathBuf {
     target.with_file_name(format!(".{name}{tag}.part"))
 }
 
-/// Removes what processes that were killed left in a folder of files whose names begin with one of `names`. What
-/// cannot be removed stays.
+/// Removes from a folder the part files that killed processes left, of targets whose names begin with one of `names`.
+/// What cannot be removed stays.
 pub(crate) fn remove_leftovers(folder: &Path, names: &[&str]) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
@@ -151,7 +153,7 @@ pub(crate) fn remove_leftovers(folder: &Path, names: &[&str]) -> io::Result<()> 
             .strip_prefix('.')
             .filter(|name| name.ends_with(".part"));
         let is_own = of.is_some_and(|of| names.iter().any(|name| of.starts_with(name)));
-        // Whoever holds the lock of a file that has its name may remove it.
+        // Only the holder of the lock may remove the file.
         if is_own && let Ok(Opened::Locked(part)) = PartFile::open(Path::new(""), &entry.path()) {
             drop(part);
         }
@@ -159,12 +161,12 @@ pub(crate) fn remove_leftovers(folder: &Path, names: &[&str]) -> io::Result<()> 
     Ok(())
 }
 
-/// Writes a file so that it is there whole or not at all, even if the machine stops in between.
+/// Writes a file atomically: it exists whole or not at all, even if the machine stops meanwhile.
 pub fn write_atomic(file: &Path, bytes: &[u8]) -> io::Result<()> {
     PartFile::own(file)?.finish(bytes)
 }
 
-/// Proves that a file can be written, by a part of it that is there for a moment: before the work, not after.
+/// Checks that a file can be written, by creating a part file and removing it: call it before long work.
 pub fn check_writable(file: &Path) -> io::Result<()> {
     PartFile::own(file).map(drop)
 }
@@ -183,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn a_claim_is_one_persons_until_it_ends() {
+    fn a_claim_is_exclusive_until_it_ends() {
         let folder = tempfile::tempdir().expect("a folder");
         let target = folder.path().join("a.png");
         let claim = || PartFile::claim(&target).expect("can be written");
@@ -199,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn leftovers_are_those_that_nobody_holds() {
+    fn leftovers_are_unlocked_part_files() {
         let folder = tempfile::tempdir().expect("a folder");
         let held = PartFile::claim(&folder.path().join("held.png")).expect("can be written");
         let left = [".left.png.part", ".left.png.0123.part"];
@@ -227,7 +229,7 @@ mod tests {
         assert_eq!(fs::read(&target).expect("there"), b"short");
     }
 
-    /// Many threads claim one file, write it and lose it: what is there is always whole.
+    /// Many threads claim one file, then finish or drop it: the target is always whole.
     #[test]
     fn racing_writers_never_mix() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -1,9 +1,9 @@
-//! Indirect light worked out for a whole path, beside direct light alone:
+//! Indirect light from an irradiance cache, beside direct light alone:
 //! `cargo bench --bench indirect -- SCENE PATH 1280x720`.
 //!
-//! Seconds of the bake and of frames with four camera samples for each pixel, and the error at pixels chosen
-//! by chance against paths of which nothing is looked up, beside what the light itself says of it. Seconds of
-//! frames are the least of five runs, on all threads.
+//! Seconds of the bake and of frames with four camera samples per pixel, and the error at random pixels against
+//! path tracing, beside the cache error that the bake states. Seconds of frames are the least of five runs, on all
+//! threads.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
@@ -20,18 +20,18 @@ use flythrough::sampling::Random;
 use std::path::Path;
 use std::time::Instant;
 
-/// Frames that are timed and looked at.
+/// Frames that are timed and measured.
 const FRAMES: u32 = 6;
 
-/// How often; the fastest counts.
+/// Runs per frame; the fastest counts.
 const RUNS: usize = 5;
 
-/// Pixels of each frame whose error is looked at, and paths of each of them.
+/// Pixels per frame whose error is measured, and path-traced paths per pixel.
 const PIXELS: usize = 200;
 const PATHS: u32 = 8192;
 
-/// Frames of exact light are timed at this share of the columns and rows.
-const SHARE: u32 = 4;
+/// Path-traced frames are timed at the size divided by this.
+const SIZE_DIVISOR: u32 = 4;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().filter(|a| a != "--bench").collect();
@@ -53,26 +53,26 @@ fn main() {
         ..path.settings.or(scene.settings)
     };
     let (scene, path) = (scene.scene, path.path);
-    let exact = given.resolve(path.timeline().frame_count());
-    let bounces = exact.integrator.bounces();
+    let path_traced = given.resolve(path.timeline().frame_count());
+    let bounces = path_traced.integrator.bounces();
 
     let start = Instant::now();
-    let mut cache = BakeState::new(&scene, bounces, exact.seed, 0);
-    let size = (exact.width, exact.height);
-    cache.extend(&scene, &path, "path", size, &|_, _| ());
-    let illumination = cache.illumination();
+    let mut state = BakeState::new(&scene, bounces, path_traced.seed, 0);
+    let size = (path_traced.width, path_traced.height);
+    state.add_path(&scene, &path, "path", size, &|_, _| ());
+    let cache = state.irradiance_cache();
     let baked = start.elapsed().as_secs_f64();
-    let [visible, secondary] = illumination.place_count();
+    let [primary, secondary] = cache.record_count();
     println!(
-        "bake: {baked:.2} s, {visible} visible places, {secondary} secondary, {:.1} MB",
-        illumination.memory() as f64 / 1e6
+        "bake: {baked:.2} s, {primary} primary, {secondary} secondary records, {:.1} MB",
+        cache.memory() as f64 / 1e6
     );
 
     let renderer =
-        |settings: RenderSettings| Renderer::new(&scene, settings, Some(&illumination)).unwrap();
+        |settings: RenderSettings| Renderer::new(&scene, settings, Some(&cache)).unwrap();
     let by = |integrator: IntegratorSettings| RenderSettings {
         integrator,
-        ..exact.clone()
+        ..path_traced.clone()
     };
     let cached = by(IntegratorSettings::Cached { bounces });
     let direct = by(IntegratorSettings::Whitted { bounces });
@@ -82,7 +82,7 @@ fn main() {
     let sampling = PixelSampling::Spread(4);
     let both =
         [&direct, &cached].map(|settings| renderer(settings.clone()).with_sampling(sampling));
-    // In turn, so that a slow while of the machine is one of both.
+    // Alternating, so that a slow phase of the machine slows both.
     let mut sums = [(0.0, 0.0); 2];
     for &frame in &frames {
         let camera = path.camera(frame);
@@ -112,13 +112,14 @@ fn main() {
 
     let exposure = given.exposure.unwrap_or(0.0);
     let mut random = Random::new(5);
-    let said = cache_errors(&scene, &path, &cached, &illumination).unwrap();
-    let held_out_by = [&cached, &exact].map(|settings| renderer(settings.clone()));
-    let (mut everywhere, mut places) = (Vec::new(), Vec::new());
-    let mut honest = 0;
+    let stated = cache_errors(&scene, &path, &cached, &cache).unwrap();
+    let held_out_by = [&cached, &path_traced].map(|settings| renderer(settings.clone()));
+    let (mut everywhere, mut measured_pixels) = (Vec::new(), Vec::new());
+    let mut below_stated = 0;
     for &frame in &frames {
         let pixel = |_| {
-            let [x, y] = [exact.width, exact.height].map(|n| random.below(n as usize) as u32);
+            let [x, y] =
+                [path_traced.width, path_traced.height].map(|n| random.below(n as usize) as u32);
             (x, y)
         };
         let pixels: Vec<(u32, u32)> = (0..PIXELS).map(pixel).collect();
@@ -130,25 +131,25 @@ fn main() {
         let held_out = both.map(|(technique, oracle)| HeldOutPixel { technique, oracle });
         let held_out: Vec<HeldOutPixel> = held_out.collect();
         let measured = print_error(&format!("frame {frame}"), &held_out, exposure);
-        let [low, high] = said[frame as usize].interval();
-        println!("  said to be {low:.6} to {high:.6}");
-        honest += u32::from(measured <= high);
+        let [low, high] = stated[frame as usize].interval();
+        println!("  stated cache error: {low:.6} to {high:.6}");
+        below_stated += u32::from(measured <= high);
         everywhere.extend(held_out);
-        places.push((frame, pixels));
+        measured_pixels.push((frame, pixels));
     }
     print_error("all frames", &everywhere, exposure);
-    println!("{honest} of {FRAMES} frames are no worse than said");
+    println!("{below_stated} of {FRAMES} frames are no worse than stated");
 
     let with_paths = |paths| {
         let splits = vec![paths];
         let settings = by(IntegratorSettings::PathTraced { bounces, splits });
-        renderer(settings).with_seed(exact.seed + 1)
+        renderer(settings).with_seed(path_traced.seed + 1)
     };
     let square_error = |pixels: &[HeldOutPixel]| BiasCheck::of(pixels, exposure).squared_bias.mean;
-    let looked_up = square_error(&everywhere);
+    let cache_error = square_error(&everywhere);
     let error_of = |paths| {
         let renderer = with_paths(paths);
-        let values = places.iter().flat_map(|(frame, pixels)| {
+        let values = measured_pixels.iter().flat_map(|(frame, pixels)| {
             renderer.render_pixels(&path.camera(*frame), *frame, pixels)
         });
         let pixels = everywhere.iter().zip(values).map(|(pixel, [a, b])| {
@@ -161,28 +162,30 @@ fn main() {
         square_error(&pixels.collect::<Vec<_>>())
     };
     let powers = (3..13).map(|power| (1 << power, error_of(1 << power)));
-    let worse = powers.take_while(|(_, error)| *error > looked_up);
+    let worse = powers.take_while(|(_, error)| *error > cache_error);
     let Some((paths, error)) = worse.last() else {
-        println!("exact light of 8 paths is no worse");
+        println!("8 paths per pixel are no worse");
         return;
     };
-    // As many paths of each pixel, spread over its four camera samples.
-    let small = with_paths(paths / 4)
-        .with_sampling(sampling)
-        .with_size(exact.width / SHARE, exact.height / SHARE);
+    // As many paths per pixel, divided among its four camera samples.
+    let small = with_paths(paths / 4).with_sampling(sampling).with_size(
+        path_traced.width / SIZE_DIVISOR,
+        path_traced.height / SIZE_DIVISOR,
+    );
     let start = Instant::now();
     for &frame in &frames {
         small.render_frame(&path.camera(frame), frame);
     }
-    let seconds = start.elapsed().as_secs_f64() * f64::from(SHARE * SHARE) / f64::from(FRAMES);
+    let seconds =
+        start.elapsed().as_secs_f64() * f64::from(SIZE_DIVISOR * SIZE_DIVISOR) / f64::from(FRAMES);
     println!(
-        "exact light of {paths} paths is worse, relMSE {error:.6}, and takes {seconds:.1} s a frame: {:.0} times \
-         as long as with its share of the bake",
+        "{paths} paths per pixel are worse, relMSE {error:.6}, and take {seconds:.1} s a frame: {:.0} times as long \
+         as the cache with its part of the bake",
         seconds / with_bake
     );
 }
 
-/// Returns what the error is at least, chance put aside.
+/// Prints the errors of some pixels; returns the lower 95 % confidence bound of the squared error.
 fn print_error(name: &str, pixels: &[HeldOutPixel], exposure: f32) -> f64 {
     let check = BiasCheck::of(pixels, exposure);
     let [low, high] = check.squared_bias.interval(pixels.len() as u32 - 1);

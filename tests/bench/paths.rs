@@ -2,7 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "a measurement that cannot go on fails")]
 #![allow(clippy::print_stdout, reason = "talking to the user is its job")]
 
-use flythrough::camera::{Camera, CameraPath, Keyframe, Orientation, Pace, Segment, Shape, Speed};
+use flythrough::camera::{
+    Camera, CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment, Speed,
+};
 use glam::{DQuat, DVec3};
 use std::time::Instant;
 
@@ -34,7 +36,7 @@ fn keys() -> Vec<Keyframe> {
                 DQuat::from_rotation_y(yaw) * DQuat::from_rotation_x(0.4 * (i as f64).sin()),
             ),
             field_of_view: 1.0,
-            segment: Segment::of(Shape::CatmullRom),
+            segment: Segment::of(Interpolation::CatmullRom),
         });
     keys.collect()
 }
@@ -75,9 +77,9 @@ fn uniform(time: f64) -> DVec3 {
 }
 
 /// The largest jump of the angular velocity at a key, as a share of its mean.
-fn turn_jump(pace: &Pace) -> f64 {
+fn turn_jump(timing: &PathTiming) -> f64 {
     const FPS: f64 = 240_000.0;
-    let path = CameraPath::new(FPS, &keys(), pace).unwrap();
+    let path = CameraPath::new(FPS, &keys(), timing).unwrap();
     let turn = |from: u32, to: u32| {
         let [from, to] = [from, to].map(|frame| path.camera(frame));
         from.rotation * from.turn_to(&to)
@@ -101,20 +103,20 @@ fn turn_jump(pace: &Pace) -> f64 {
 
 fn main() {
     let times: Vec<f64> = (0..6).map(time_of).collect();
-    let constant = Pace {
+    let constant = PathTiming {
         speed: Speed::Constant,
-        ..Pace::BY_KEYS
+        ..PathTiming::BY_KEYS
     };
     println!("6 uneven keys, 300 frames              largest/smallest step   frames backward");
     let others: Vec<DVec3> = (0..300)
         .map(|frame| uniform(f64::from(frame) / 24.0))
         .collect();
     let mut rows = vec![("uniform Catmull-Rom, as elsewhere", others, times)];
-    for (name, pace) in [
-        ("speed: by_keys", Pace::BY_KEYS),
+    for (name, timing) in [
+        ("speed: by_keys", PathTiming::BY_KEYS),
         ("speed: constant", constant),
     ] {
-        let path = CameraPath::new(24.0, &keys(), &pace).unwrap();
+        let path = CameraPath::new(24.0, &keys(), &timing).unwrap();
         let positions = cameras(&path)
             .iter()
             .map(|camera| camera.position)
@@ -125,8 +127,8 @@ fn main() {
         let (ratio, backward) = steps(&positions, &keys);
         println!("{name:<38} {ratio:>21.4} {backward:>17}");
     }
-    for (name, pace) in [("by_keys", Pace::BY_KEYS), ("constant", constant)] {
-        let jump = 100.0 * turn_jump(&pace);
+    for (name, timing) in [("by_keys", PathTiming::BY_KEYS), ("constant", constant)] {
+        let jump = 100.0 * turn_jump(&timing);
         println!("angular velocity at keys, {name:<8}      jumps by {jump:.4} % of its mean");
     }
 
@@ -135,7 +137,7 @@ fn main() {
         field_of_view: degrees.to_radians(),
         ..keys()[0]
     });
-    let zoom = CameraPath::new(24.0, &zoom, &Pace::BY_KEYS).unwrap();
+    let zoom = CameraPath::new(24.0, &zoom, &PathTiming::BY_KEYS).unwrap();
     let sizes: Vec<f64> = cameras(&zoom)
         .iter()
         .map(|camera| camera.half_height)
@@ -159,9 +161,9 @@ fn main() {
             }
         })
         .collect();
-    for (name, pace) in [("by_keys", Pace::BY_KEYS), ("constant", constant)] {
+    for (name, timing) in [("by_keys", PathTiming::BY_KEYS), ("constant", constant)] {
         let start = Instant::now();
-        let path = CameraPath::new(24.0, &many, &pace).unwrap();
+        let path = CameraPath::new(24.0, &many, &timing).unwrap();
         let frames = path.timeline().frame_count();
         let seconds = start.elapsed().as_secs_f64();
         println!(

@@ -380,7 +380,7 @@ fn wrong_commands_are_refused() {
         (&["--target-error", "2"], "--target-error: 2 is not between"),
         (
             &["--mode", "supersampling", "--target-error", "0.1"],
-            "supersampling has no noise",
+            "supersampling has no Monte Carlo noise",
         ),
     ];
     for (more, expected) in cases {

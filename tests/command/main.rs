@@ -5,6 +5,7 @@
 mod support;
 
 mod cli;
+mod job;
 mod path_command;
 mod path_plot;
 mod preflight;

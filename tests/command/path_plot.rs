@@ -2,7 +2,7 @@
 
 use crate::support::{flythrough, root, scene, stderr};
 use base64::Engine;
-use flythrough::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
+use flythrough::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment};
 use flythrough::drawing::path_plot::plot;
 use flythrough::scene::Scene;
 use glam::{DQuat, DVec2, DVec3};
@@ -24,10 +24,10 @@ fn path(keys: &[(f64, DVec3, f64)]) -> CameraPath {
         position,
         orientation: Orientation::Rotation(DQuat::from_rotation_y(degrees.to_radians())),
         field_of_view: 1.0,
-        segment: Segment::of(Shape::Linear),
+        segment: Segment::of(Interpolation::Linear),
     };
     let keys: Vec<Keyframe> = keys.iter().map(key).collect();
-    CameraPath::new(10.0, &keys, &Pace::BY_KEYS).unwrap()
+    CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).unwrap()
 }
 
 fn drawn(scene: &Scene, path: &CameraPath) -> String {
@@ -139,10 +139,7 @@ fn every_frame_has_its_place_at_the_axes() {
     let path = path(&keys);
     let svg = drawn(&empty(), &path);
     assert!(svg.contains("a &amp; b: 11 frames at 10 per second, 1 s, 8.12 m"));
-    let panels = [
-        ("SequenceRecord: ", [0, 2]),
-        ("Elevation: towards +x", [2, 1]),
-    ];
+    let panels = [("Plan: ", [0, 2]), ("Elevation: towards +x", [2, 1])];
     for (line, (title, axes)) in path_lines(&svg).iter().zip(panels) {
         assert_eq!(line.len(), 11);
         let [lower, left] = marks(&svg, title);

@@ -4,7 +4,7 @@ use crate::support::{shipped_path, shipped_scene};
 use flythrough::camera::CameraPath;
 use flythrough::camera_formats::load_camera_path;
 use flythrough::input::InputFiles;
-use flythrough::preflight::{Oddity, preflight};
+use flythrough::preflight::{WarningKind, preflight};
 
 const NEAR: f64 = 0.1;
 
@@ -44,8 +44,10 @@ fn shipped_paths_touch_nothing_and_are_smooth() {
     ] {
         let path = shipped_path(path);
         for finding in preflight(&shipped_scene(scene), &path, 1280, 720, NEAR) {
-            let is_harmless =
-                matches!(finding.kind, Oddity::Strobing { .. } | Oddity::RepeatsFirst);
+            let is_harmless = matches!(
+                finding.kind,
+                WarningKind::Strobing { .. } | WarningKind::RepeatsFirstFrame
+            );
             assert!(is_harmless, "{scene}: {finding}");
         }
     }
@@ -60,16 +62,19 @@ fn walks_through_exhibits_are_found() {
     let figure = (walk([1.7, 1.5], -9.0, -11.0), -9.74, -10.26);
     for (path, first, last) in [globe, pedestal, figure] {
         let found = preflight(&scene, &path, 1280, 720, NEAR);
-        assert!(matches!(found[0].kind, Oddity::Inside { .. }), "{found:?}");
+        assert!(
+            matches!(found[0].kind, WarningKind::InsideSolid { .. }),
+            "{found:?}"
+        );
         let &[[enters, leaves]] = found[0].frames.runs() else {
             panic!("{found:?}")
         };
         let z = |frame: u32| path.camera(frame).position.z;
         assert!((z(enters) - first).abs() < 0.03, "{}", z(enters));
         assert!((z(leaves) - last).abs() < 0.03, "{}", z(leaves));
-        assert_eq!(found[1].kind, Oddity::Through);
+        assert_eq!(found[1].kind, WarningKind::CrossesSurface);
         assert_eq!(found[1].frames.runs(), [[enters - 1; 2], [leaves; 2]]);
-        assert!(matches!(found[2].kind, Oddity::Near { .. }));
+        assert!(matches!(found[2].kind, WarningKind::NearSurface { .. }));
     }
     let beside = walk([0.0, 1.7], 1.2, -4.0);
     assert_eq!(preflight(&scene, &beside, 1280, 720, NEAR), []);
@@ -111,7 +116,7 @@ fn ways_to_go_around_are_told_apart() {
             .collect()
     };
     let smooth: [&str; 0] = [];
-    assert_eq!(found(&path("", "", 0.0)), ["RepeatsFirst"]);
+    assert_eq!(found(&path("", "", 0.0)), ["RepeatsFirstFrame"]);
     assert_eq!(found(&path("", "", 0.5)), smooth);
     for fields in ["closed: true,", "closed: true, speed: constant,"] {
         assert_eq!(found(&path(fields, "", 0.0)), smooth, "{fields}");
@@ -148,7 +153,7 @@ fn look_at_near_the_vertical_is_found() {
     );
     let spins = found
         .iter()
-        .find(|f| matches!(f.kind, Oddity::Spinning { .. }));
+        .find(|f| matches!(f.kind, WarningKind::SpinsNearVertical { .. }));
     let spins = spins.expect("a picture that spins");
     let &[[first, last]] = spins.frames.runs() else {
         panic!("{spins}")

@@ -93,7 +93,7 @@ until_so "the fourth task is rendering" is_rendering 21-27 00021
 kill -USR1 "$(ps -o ppid= -p "$(pgrep -f "render .* --frames 21-27")")"
 was_queued_again() { [ "$(scontrol show job "${array}_3" | sed -nE 's/.*Restarts=([0-9]+).*/\1/p')" = 1 ]; }
 until_so "the fourth task is queued again" was_queued_again
-is_over() { [ -z "$(squeue --noheader --name=render --states=all --format=%T | grep -vE 'COMPLETED|FAILED')" ]; }
+is_over() { ! squeue --noheader --name=render --states=all --format=%T | grep -vE 'COMPLETED|FAILED' >/dev/null; }
 until_so "all tasks are over" is_over
 
 [ "$("$FLYTHROUGH" missing --quiet "$frames" --format slurm --chunk 7)" = 2 ] || fail "other tasks than the third failed"
@@ -105,6 +105,6 @@ for frame in "$dir"/local/frame_*; do
     cmp "$frame" "$frames/${frame##*/}"
 done
 grep -q interrupted "$frames/logs/render_${array}_3.log" || fail "the fourth task was not interrupted"
-[[ $(submit) == *"all of them are proven"* ]] || fail "what is proven is submitted again"
+[[ $(submit) == *"all of them are verified"* ]] || fail "verified frames are submitted again"
 until_so "the second video is made" test "$video" -nt "$frames/logs/video.job"
 echo "slurm: one task killed, one out of time, all frames as of a local run"

@@ -36,7 +36,7 @@ fn scenes() {
         ),
         (
             "Scene(objects: [],\n materials: {\"m\": (),\n \"m\": ()})".to_owned(),
-            "the name \"m\" stands twice",
+            "the name \"m\" is used twice",
         ),
         (
             "Scene(objects: [], materials: {\"m\": (texture: \"no.png\")})".to_owned(),

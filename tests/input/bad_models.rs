@@ -33,7 +33,7 @@ fn models() {
         (
             "mtllib m.mtl\n".to_owned(),
             "newmtl a\nmap_Kd m.mtl\n",
-            "m.mtl: not an image",
+            "m.mtl: cannot be decoded as an image",
         ),
         (
             "mtllib m.mtl\n".to_owned(),
@@ -48,7 +48,7 @@ fn models() {
         (
             "mtllib .\n".to_owned(),
             "",
-            "m.obj: mtllib names ., which cannot be read: it is not a file",
+            "m.obj: mtllib names ., which cannot be read: it is not a regular file",
         ),
     ] {
         let files: [(&str, &[u8]); 2] = [("m.obj", obj.as_bytes()), ("m.mtl", mtl.as_bytes())];
@@ -59,7 +59,10 @@ fn models() {
     let utf16: Vec<u8> = TRIANGLE.bytes().flat_map(|byte| [byte, 0]).collect();
     let (status, message) = check(MODEL, &path(KEY), &[("m.obj", &utf16)]);
     assert_eq!(status, Some(2), "{message}");
-    assert!(message.contains("m.obj:1: holds a zero byte"), "{message}");
+    assert!(
+        message.contains("m.obj:1: contains a zero byte"),
+        "{message}"
+    );
 }
 
 #[test]
@@ -86,10 +89,10 @@ fn oddities_are_said_and_do_not_stop() {
     assert_eq!(status, Some(0), "{message}");
     for expected in [
         "m.obj: not used: 1 `f` of fewer than three vertices, 1 `l`, 1 colours of `v`",
-        "m.obj: 2 triangles name no material",
-        "objects[1] is scaled unevenly; it stays a sphere, its radius times the largest factor 3",
-        "s.ron: there are no faces, so nothing of it is seen",
-        "1 triangles without area are left out",
+        "m.obj: 2 triangles have no material",
+        "objects[1] has a non-uniform scale; it stays a sphere, with its radius scaled by the largest factor, 3",
+        "s.ron: has no faces, so it is invisible",
+        "1 triangles have no area and are dropped",
         "there are no lights",
     ] {
         assert!(message.contains(expected), "{message}");
@@ -122,7 +125,7 @@ fn images() {
             let (status, message) = of(&whole[..whole.len() * share / 100]);
             assert_eq!(status, Some(2), "{name}: {share} per cent: {message}");
             assert!(
-                message.contains("not an image that can be used"),
+                message.contains("cannot be decoded as an image"),
                 "{message}"
             );
         }
@@ -159,7 +162,7 @@ fn images_that_claim_to_be_huge() {
     let (status, message) = check(TEXTURED, &path(KEY), &[("t.png", &bmp)]);
     assert_eq!(status, Some(2), "{message}");
     assert!(
-        message.contains("t.png: not an image that can be used"),
+        message.contains("t.png: cannot be decoded as an image"),
         "{message}"
     );
 }

@@ -25,7 +25,7 @@ fn broken_text() {
         (deep("/*").into(), "Unclosed block comment"),
         (
             b"NAME(\n \xe4)".to_vec(),
-            ":2:2: what stands here is not UTF-8; save the file as UTF-8",
+            ":2:2: not valid UTF-8; save the file as UTF-8",
         ),
         (
             "NAME()".encode_utf16().flat_map(u16::to_le_bytes).collect(),

@@ -3,9 +3,9 @@
 use crate::support::{root, shipped_path};
 use flythrough::camera::{Camera, FrameCameras};
 use flythrough::camera_formats::{
-    GltfContainer, camera_path_file, camera_table, gltf_file, nerfstudio_json,
+    CameraFormat, camera_path_to_ron, camera_table, export_cameras, import_cameras,
+    load_camera_path,
 };
-use flythrough::camera_formats::{import_cameras, load_camera_path};
 use flythrough::input::InputFiles;
 use glam::{DMat3, DQuat, DVec3};
 use serde_json::Value;
@@ -88,7 +88,7 @@ fn blenders_cameras_are_those_of_the_specification() {
             let error = difference(&imported.frames.cameras, &expected);
             assert!(error < 1e-6, "{truth_name}: {error}");
             // And so are the frames of the camera path file that is made of them.
-            let text = camera_path_file(&imported.frames, None, "");
+            let text = camera_path_to_ron(&imported.frames, None, "");
             let loaded = loaded(&text);
             let error = difference(&loaded.cameras, &imported.frames.cameras);
             assert!(error < 1e-12, "{truth_name}: {error}");
@@ -124,7 +124,7 @@ fn nerfstudios_frames_come_back() {
         let expected = expected.map(|frame| camera(&frame["camera_to_world"], &frame["fov"]));
         let expected: Vec<Camera> = expected.collect();
         assert_eq!(expected.len(), count);
-        let path = loaded(&camera_path_file(
+        let path = loaded(&camera_path_to_ron(
             &import.frames,
             import.size,
             "of the editor",
@@ -134,8 +134,8 @@ fn nerfstudios_frames_come_back() {
         assert!(error < tolerance, "{name}: {error}");
         // Out again, and in.
         let keys = [(0.0, expected[0])];
-        let text = nerfstudio_json(&path, &keys, false, size).unwrap();
-        let error = difference(&imported(text.as_bytes(), None).cameras, &path.cameras);
+        let text = export_cameras(CameraFormat::Nerfstudio, &path, &keys, size).unwrap();
+        let error = difference(&imported(&text, None).cameras, &path.cameras);
         assert!(error < 1e-12, "{name}: {error}");
     }
 }
@@ -150,12 +150,12 @@ fn what_is_written_is_read() {
         "test.ron",
     ] {
         let path = FrameCameras::of(&shipped_path(name));
-        let text = camera_path_file(&path, Some((64, 36)), "line\nline");
+        let text = camera_path_to_ron(&path, Some((64, 36)), "line\nline");
         let error = difference(&loaded(&text).cameras, &path.cameras);
         assert!(error < 1e-12, "{name}: {error}");
 
-        for container in [GltfContainer::Text, GltfContainer::Binary] {
-            let bytes = gltf_file(&path, 16.0 / 9.0, container).unwrap();
+        for format in [CameraFormat::Gltf, CameraFormat::GltfBinary] {
+            let bytes = export_cameras(format, &path, &[], (16, 9)).unwrap();
             let read = imported(&bytes, Some(path.fps));
             let error = difference(&read.cameras, &path.cameras);
             // Single precision, of coordinates up to 31.
@@ -200,7 +200,7 @@ fn steps_are_cuts() {
     }
     // What is stepped 24 times a second is a motion that stutters.
     let path = FrameCameras::of(&shipped_path("zoom.ron"));
-    let text = gltf_file(&path, 1.0, GltfContainer::Text).unwrap();
+    let text = export_cameras(CameraFormat::Gltf, &path, &[], (1, 1)).unwrap();
     let stepped = String::from_utf8(text).unwrap().replace("LINEAR", "STEP");
     for fps in [24.0, 60.0] {
         assert!(imported(stepped.as_bytes(), Some(fps)).cuts.is_empty());
@@ -218,7 +218,7 @@ fn times_that_gltf_cannot_tell_apart_are_refused() {
         (-1e5, 240.0, true),
     ] {
         (late.start, late.fps) = (start, fps);
-        let written = gltf_file(&late, 1.0, GltfContainer::Binary);
+        let written = export_cameras(CameraFormat::GltfBinary, &late, &[], (1, 1));
         let refusal = written.err().map(|error| error.to_string());
         assert_eq!(refusal.is_some(), is_refused, "{start}");
         assert!(refusal.is_none_or(|said| said.contains("single precision")));

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use flythrough::bake::{Baked, bake, cache_errors};
-use flythrough::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
+use flythrough::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment};
 use flythrough::integrator::IntegratorSettings;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
 use flythrough::render::{RenderSettings, Renderer};
@@ -19,10 +19,10 @@ fn glide(eyes: [DVec3; 2], target: DVec3) -> CameraPath {
         position,
         orientation: Orientation::LookAt { target, roll: 0.0 },
         field_of_view: 60_f64.to_radians(),
-        segment: Segment::of(Shape::Linear),
+        segment: Segment::of(Interpolation::Linear),
     };
     let keys: Vec<Keyframe> = [0.0, 1.0].into_iter().zip(eyes).map(key).collect();
-    CameraPath::new(8.0, &keys, &Pace::BY_KEYS).unwrap()
+    CameraPath::new(8.0, &keys, &PathTiming::BY_KEYS).unwrap()
 }
 
 /// From the left to the right of `scenes/test3.ron`.
@@ -123,7 +123,7 @@ fn the_error_is_known_and_met() {
     let references = [1, 4, 7].map(|n| (n, path_traced(&scene, &path, 2048, n)));
     let (usual, finer) = (baked(None), baked(Some(2e-4)));
     assert!(usual.reaches_target && finer.reaches_target);
-    assert!(finer.state.fineness() > usual.state.fineness());
+    assert!(finer.state.refinement_level() > usual.state.refinement_level());
     for (baked, most) in [(&usual, 0.001), (&finer, 2e-4)] {
         assert_eq!(baked.errors.len(), 9);
         let errors = references.each_ref().map(|(number, reference)| {
@@ -311,7 +311,7 @@ fn nothing_to_gather() {
         let eyes = [DVec3::new(0.0, 1.0, 3.0), DVec3::new(0.0, 1.0, 2.0)];
         let path = glide(eyes, DVec3::ZERO);
         let baked = baked(&scene, &path, 4);
-        assert_eq!(baked.cache.place_count(), [0, 0]);
+        assert_eq!(baked.cache.record_count(), [0, 0]);
         let exact = path_traced(&scene, &path, 1, 3);
         assert_eq!(cached(&scene, &path, &baked, 3), exact);
     }

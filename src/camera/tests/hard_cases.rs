@@ -7,15 +7,15 @@ fn hard_cases_have_cameras() {
     // Keys at once, far away.
     let mut keys = uneven();
     keys[3].time = keys[2].time + 1e-6;
-    for pace in [Pace::BY_KEYS, CONSTANT] {
-        CameraPath::new(24.0, &keys, &pace).expect("keys 1e-6 s apart");
+    for timing in [PathTiming::BY_KEYS, CONSTANT] {
+        CameraPath::new(24.0, &keys, &timing).expect("keys 1e-6 s apart");
     }
     // All at one place.
     let still: Vec<Keyframe> = (0..4)
         .map(|i| key(f64::from(i), DVec3::ONE, AHEAD))
         .collect();
-    for pace in [Pace::BY_KEYS, CONSTANT, CLOSED] {
-        let path = CameraPath::new(24.0, &still, &pace).expect("a camera that stands");
+    for timing in [PathTiming::BY_KEYS, CONSTANT, CLOSED] {
+        let path = CameraPath::new(24.0, &still, &timing).expect("a camera that stands");
         assert!(positions(&path).iter().all(|&p| p == DVec3::ONE));
     }
     // Small steps far from the origin.
@@ -42,7 +42,7 @@ fn hard_cases_have_cameras() {
             key(f64::from(i), 10.0 * random.point(), orientation)
         })
         .collect();
-    let path = CameraPath::new(1.0, &many, &Pace::BY_KEYS).expect("10,000 keys");
+    let path = CameraPath::new(1.0, &many, &PathTiming::BY_KEYS).expect("10,000 keys");
     for (camera, key) in cameras(&path).iter().zip(&many) {
         assert_eq!(camera.position, key.position);
     }
@@ -53,10 +53,10 @@ fn hard_cases_have_cameras() {
 #[test]
 fn refuses_what_has_no_camera() {
     let looks = |time, position, target| Keyframe {
-        segment: Segment::of(Shape::Linear),
+        segment: Segment::of(Interpolation::Linear),
         ..key(time, position, at(target))
     };
-    let refusal = |keys: &[Keyframe]| CameraPath::new(10.0, keys, &Pace::BY_KEYS).err();
+    let refusal = |keys: &[Keyframe]| CameraPath::new(10.0, keys, &PathTiming::BY_KEYS).err();
     assert_eq!(refusal(&[]), Some(PathError::NoKeys));
     let still = looks(1.0, DVec3::ZERO, DVec3::X);
     let expected = PathError::TimesDoNotRise { key: 1, time: 1.0 };
@@ -99,17 +99,17 @@ fn refuses_what_has_no_camera() {
     let half = half.map(|aim| key(if aim == AHEAD { 0.0 } else { 1.0 }, DVec3::ZERO, aim));
     assert_eq!(refusal(&half), Some(PathError::HalfTurn { key: 1 }));
     // What cannot be had together.
-    let pace = |ease_in, ease_out, speed| Pace {
+    let timing = |ease_in, ease_out, speed| PathTiming {
         ease_in,
         ease_out,
         speed,
-        ..Pace::BY_KEYS
+        ..PathTiming::BY_KEYS
     };
     let keys = [
         looks(0.0, DVec3::X, DVec3::ZERO),
         looks(1.0, DVec3::Z, DVec3::ZERO),
     ];
-    let error = CameraPath::new(10.0, &keys, &pace(0.6, 0.6, Speed::ByKeys)).err();
+    let error = CameraPath::new(10.0, &keys, &timing(0.6, 0.6, Speed::ByKeys)).err();
     assert!(matches!(error, Some(PathError::EaseTooLong { .. })));
     let mut keys = keys;
     keys[0].segment.ease_in = true;
@@ -132,8 +132,8 @@ fn frames_on_keys_show_them() {
                 let x = DVec3::X * f64::from(i);
                 key(start + f64::from(i) / fps, x, AHEAD)
             });
-            let keys = with(Shape::Hold, keys.collect());
-            let path = CameraPath::new(fps, &keys, &Pace::BY_KEYS).expect("keys");
+            let keys = with(Interpolation::Hold, keys.collect());
+            let path = CameraPath::new(fps, &keys, &PathTiming::BY_KEYS).expect("keys");
             for (camera, key) in cameras(&path).iter().zip(&keys) {
                 assert_eq!(camera.position, key.position, "{fps}");
             }
@@ -161,7 +161,7 @@ fn every_frame_has_numbers_or_is_refused() {
         ..keys[0]
     };
     for keys in [&[narrow][..], &[narrow, keys[1]]] {
-        let error = CameraPath::new(1.0, keys, &Pace::BY_KEYS).err();
+        let error = CameraPath::new(1.0, keys, &PathTiming::BY_KEYS).err();
         assert!(
             matches!(error, Some(PathError::NoCamera { frame: 0, .. })),
             "{error:?}"
@@ -173,10 +173,10 @@ fn every_frame_has_numbers_or_is_refused() {
 fn targets_are_not_met_between_frames_nor_at_the_seam() {
     let walk = |from: f64, to: f64, beside: f64| {
         let key = |time, x| Keyframe {
-            segment: Segment::of(Shape::Linear),
+            segment: Segment::of(Interpolation::Linear),
             ..key(time, DVec3::new(x, 0.0, beside), at(DVec3::ZERO))
         };
-        CameraPath::new(10.0, &[key(0.0, from), key(1.0, to)], &Pace::BY_KEYS).err()
+        CameraPath::new(10.0, &[key(0.0, from), key(1.0, to)], &PathTiming::BY_KEYS).err()
     };
     let (frame, time) = (6, 0.6);
     assert_eq!(
@@ -190,10 +190,10 @@ fn targets_are_not_met_between_frames_nor_at_the_seam() {
         key(time, DVec3::ZERO, Orientation::LookAt { target, roll })
     };
     let keys = [rolled(0.0, 0.0), rolled(1.0, PI)];
-    CameraPath::new(1.0, &keys, &Pace::BY_KEYS).expect("a camera that is tipped over");
+    CameraPath::new(1.0, &keys, &PathTiming::BY_KEYS).expect("a camera that is tipped over");
     // Passes over its target where it closes.
     let over = |time, x: f64, z: f64| Keyframe {
-        segment: Segment::of(Shape::Linear),
+        segment: Segment::of(Interpolation::Linear),
         ..key(time, DVec3::new(x, 3.0, z), at(DVec3::ZERO))
     };
     let keys = [

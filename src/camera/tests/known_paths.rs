@@ -13,14 +13,14 @@ fn circles_and_helices_of_many_keys() {
                 key(i as f64 * 8.0 / count as f64, point(part), at(DVec3::NEG_Y))
             })
             .collect();
-        for pace in [
+        for timing in [
             CLOSED,
-            Pace {
+            PathTiming {
                 closed: true,
                 ..CONSTANT
             },
         ] {
-            let path = CameraPath::new(30.0, &keys, &pace).expect("a circle");
+            let path = CameraPath::new(30.0, &keys, &timing).expect("a circle");
             assert_eq!(path.timeline().frame_count(), 240);
             for (frame, camera) in cameras(&path).iter().enumerate() {
                 let expected = point(frame as f64 / 240.0);
@@ -29,7 +29,7 @@ fn circles_and_helices_of_many_keys() {
                     "{count} {frame}"
                 );
             }
-            if pace.speed == Speed::Constant {
+            if timing.speed == Speed::Constant {
                 // Also across the seam.
                 let mut steps = steps(&path);
                 steps.push(path.camera(239).position.distance(path.camera(0).position));
@@ -66,8 +66,9 @@ fn circles_and_helices_of_many_keys() {
 fn lines_are_walked_at_constant_speed() {
     let places = [0.0, 0.1, 4.0, 4.0 + 1e-6, 9.0];
     let keys = places.map(|x| key(x * x + x, DVec3::new(2.0 * x, -x, x), AHEAD));
-    for shape in [Shape::CatmullRom, Shape::Linear] {
-        let path = CameraPath::new(10.0, &with(shape, keys.to_vec()), &CONSTANT).expect("keys");
+    for interpolation in [Interpolation::CatmullRom, Interpolation::Linear] {
+        let path =
+            CameraPath::new(10.0, &with(interpolation, keys.to_vec()), &CONSTANT).expect("keys");
         let count = f64::from(path.timeline().frame_count() - 1);
         for (frame, position) in positions(&path).iter().enumerate() {
             let x = 9.0 * frame as f64 / count;
@@ -93,7 +94,7 @@ fn constant_speed_on_uneven_paths() {
         key(time, DVec3::new(x, y, z), AHEAD)
     });
     for keys in [uneven(), apart.collect()] {
-        let by_keys = CameraPath::new(24.0, &keys, &Pace::BY_KEYS).expect("keys");
+        let by_keys = CameraPath::new(24.0, &keys, &PathTiming::BY_KEYS).expect("keys");
         assert_eq!(by_keys.timeline().frame_count(), 300);
         assert!(ratio(&steps(&by_keys)) > 5.0);
         let path = CameraPath::new(24.0, &keys, &CONSTANT).expect("keys");
@@ -111,9 +112,9 @@ fn a_zoom_magnifies_evenly() {
         field_of_view: degrees.to_radians(),
         ..key(time, DVec3::ZERO, AHEAD)
     };
-    for shape in [Shape::Linear, Shape::CatmullRom] {
-        let keys = with(shape, vec![zoomed(0.0, 60.0), zoomed(10.0, 6.0)]);
-        let path = CameraPath::new(10.0, &keys, &Pace::BY_KEYS).expect("keys");
+    for interpolation in [Interpolation::Linear, Interpolation::CatmullRom] {
+        let keys = with(interpolation, vec![zoomed(0.0, 60.0), zoomed(10.0, 6.0)]);
+        let path = CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("keys");
         let sizes: Vec<f64> = cameras(&path).iter().map(|c| c.half_height).collect();
         let first = sizes[0] / sizes[1];
         let expected = (30_f64.to_radians().tan() / 3_f64.to_radians().tan()).powf(0.01);

@@ -7,7 +7,7 @@ mod promises;
 mod segments;
 
 use super::error::PathError;
-use super::keyframe::{Keyframe, Orientation, Pace, Segment, Shape, Speed};
+use super::keyframe::{Interpolation, Keyframe, Orientation, PathTiming, Segment, Speed};
 use super::{Camera, CameraPath};
 use crate::sampling::Random;
 use glam::{DQuat, DVec3};
@@ -15,14 +15,14 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 const AHEAD: Orientation = Orientation::Rotation(DQuat::IDENTITY);
 
-const CONSTANT: Pace = Pace {
+const CONSTANT: PathTiming = PathTiming {
     speed: Speed::Constant,
-    ..Pace::BY_KEYS
+    ..PathTiming::BY_KEYS
 };
 
-const CLOSED: Pace = Pace {
+const CLOSED: PathTiming = PathTiming {
     closed: true,
-    ..Pace::BY_KEYS
+    ..PathTiming::BY_KEYS
 };
 
 fn key(time: f64, position: DVec3, orientation: Orientation) -> Keyframe {
@@ -31,7 +31,7 @@ fn key(time: f64, position: DVec3, orientation: Orientation) -> Keyframe {
         position,
         orientation,
         field_of_view: FRAC_PI_2,
-        segment: Segment::of(Shape::CatmullRom),
+        segment: Segment::of(Interpolation::CatmullRom),
     }
 }
 
@@ -39,9 +39,9 @@ fn at(target: DVec3) -> Orientation {
     Orientation::LookAt { target, roll: 0.0 }
 }
 
-fn with(shape: Shape, mut keys: Vec<Keyframe>) -> Vec<Keyframe> {
+fn with(interpolation: Interpolation, mut keys: Vec<Keyframe>) -> Vec<Keyframe> {
     for key in &mut keys {
-        key.segment.shape = shape;
+        key.segment.interpolation = interpolation;
     }
     keys
 }
@@ -102,16 +102,16 @@ fn random_keys(random: &mut Random) -> Vec<Keyframe> {
         if let (Some(last), true) = (keys.last(), random.unit() < 0.2) {
             position = last.position;
         }
-        let shape = match (5.0 * random.unit()) as u32 {
-            0 => Shape::Hold,
-            1 => Shape::Linear,
-            2 => Shape::Cubic(5.0 * random.point(), 5.0 * random.point()),
-            _ => Shape::CatmullRom,
+        let interpolation = match (5.0 * random.unit()) as u32 {
+            0 => Interpolation::Hold,
+            1 => Interpolation::Linear,
+            2 => Interpolation::Hermite(5.0 * random.point(), 5.0 * random.point()),
+            _ => Interpolation::CatmullRom,
         };
         keys.push(Keyframe {
             field_of_view: 0.05 + 2.5 * f64::from(random.unit()),
             segment: Segment {
-                shape,
+                interpolation,
                 ease_in: random.unit() < 0.2,
                 ease_out: random.unit() < 0.2,
             },

@@ -9,7 +9,7 @@ fn random_paths_pass_through_their_keys() {
     let mut random = Random::new(3);
     for _ in 0..300 {
         let keys = random_keys(&mut random);
-        let path = CameraPath::new(17.0, &keys, &Pace::BY_KEYS).expect("keys");
+        let path = CameraPath::new(17.0, &keys, &PathTiming::BY_KEYS).expect("keys");
         for (i, key) in keys.iter().enumerate() {
             let camera = path.camera_at(key.time, 0).expect("a camera");
             assert_eq!(camera.position, key.position);
@@ -40,22 +40,25 @@ fn random_paths_pass_through_their_keys() {
 /// which it is, and where the curve is smooth from the key before that.
 #[test]
 fn frames_do_not_know_what_comes_later() {
-    for (shape, first_changed) in [(Shape::Linear, 5), (Shape::CatmullRom, 4)] {
-        let keys = with(shape, uneven());
+    for (interpolation, first_changed) in
+        [(Interpolation::Linear, 5), (Interpolation::CatmullRom, 4)]
+    {
+        let keys = with(interpolation, uneven());
         let last = keys[5];
         let longer = Keyframe {
             time: last.time + 1.0,
             position: last.position + DVec3::new(0.0, 1.0, 0.5),
             ..last
         };
-        let path = |keys: &[Keyframe]| CameraPath::new(24.0, keys, &Pace::BY_KEYS).expect("keys");
+        let path =
+            |keys: &[Keyframe]| CameraPath::new(24.0, keys, &PathTiming::BY_KEYS).expect("keys");
         let short = cameras(&path(&keys));
         let longer = cameras(&path(&[&keys[..], &[longer]].concat()));
         assert_eq!(longer.len(), short.len() + 24);
         let same = (keys[first_changed].time * 24.0).round() as usize;
         assert_eq!(short[..=same], longer[..=same]);
         let is_changed = short[same + 1..] != longer[same + 1..short.len()];
-        assert_eq!(is_changed, shape == Shape::CatmullRom);
+        assert_eq!(is_changed, interpolation == Interpolation::CatmullRom);
     }
 }
 
@@ -66,14 +69,14 @@ fn no_frame_runs_backward() {
     for round in 0..300 {
         let keys = match round {
             0 => uneven(),
-            _ => with(Shape::CatmullRom, random_keys(&mut random)),
+            _ => with(Interpolation::CatmullRom, random_keys(&mut random)),
         };
-        for pace in [Pace::BY_KEYS, CONSTANT] {
+        for timing in [PathTiming::BY_KEYS, CONSTANT] {
             let mut keys = keys.clone();
             for key in &mut keys {
-                key.segment = Segment::of(key.segment.shape);
+                key.segment = Segment::of(key.segment.interpolation);
             }
-            let path = CameraPath::new(24.0, &keys, &pace).expect("keys");
+            let path = CameraPath::new(24.0, &keys, &timing).expect("keys");
             for (i, pair) in keys.windows(2).enumerate() {
                 let [from, to] = [path.keys()[i], path.keys()[i + 1]];
                 let chord = pair[1].position - pair[0].position;
@@ -117,14 +120,14 @@ fn velocities_do_not_jump_at_keys() {
     while paths.len() < 60 {
         let keys = random_keys(&mut random);
         let keys = keys.into_iter().map(|key| Keyframe {
-            segment: Segment::of(Shape::CatmullRom),
+            segment: Segment::of(Interpolation::CatmullRom),
             ..key
         });
         paths.push(keys.collect());
     }
     for (number, keys) in paths.iter().enumerate() {
-        for pace in [Pace::BY_KEYS, CONSTANT] {
-            let path = CameraPath::new(24.0, keys, &pace).expect("keys");
+        for timing in [PathTiming::BY_KEYS, CONSTANT] {
+            let path = CameraPath::new(24.0, keys, &timing).expect("keys");
             let camera = |time: f64| path.camera_at(time, 0).expect("a camera");
             // Derivatives at a time, towards one side of it, to the second order.
             let rate = |time: f64, h: f64| {
@@ -158,7 +161,7 @@ fn velocities_do_not_jump_at_keys() {
                 let on = keys[key + 2].position - keys[key + 1].position;
                 let stands = to == DVec3::ZERO || on == DVec3::ZERO;
                 let may_jump = stands || to.angle_between(on) > 0.99 * PI;
-                let may_jump = may_jump && pace.speed == Speed::Constant;
+                let may_jump = may_jump && timing.speed == Speed::Constant;
                 assert!(
                     jump < 0.01 * speed || may_jump,
                     "{number} {time}: {jump} of {speed}"
@@ -183,14 +186,16 @@ fn velocities_do_not_jump_at_keys() {
 #[test]
 fn smooth_segments_join_given_ones() {
     let mut keys = uneven();
-    keys[1].segment.shape = Shape::Linear;
-    keys[3].segment.shape = Shape::Cubic(DVec3::new(-1.0, 0.2, 3.0), DVec3::new(-4.0, 1.0, 0.5));
+    keys[1].segment.interpolation = Interpolation::Linear;
+    keys[3].segment.interpolation =
+        Interpolation::Hermite(DVec3::new(-1.0, 0.2, 3.0), DVec3::new(-4.0, 1.0, 0.5));
     // A loop that comes back to where it starts.
     let mut looping = uneven();
     looping[3].position = looping[2].position;
-    looping[2].segment.shape = Shape::Cubic(DVec3::new(2.0, 0.0, 4.0), DVec3::new(-4.0, 1.0, 5.0));
+    looping[2].segment.interpolation =
+        Interpolation::Hermite(DVec3::new(2.0, 0.0, 4.0), DVec3::new(-4.0, 1.0, 5.0));
     for (keys, joints) in [(keys, &[1, 2, 3, 4][..]), (looping, &[2, 3])] {
-        let path = CameraPath::new(24.0, &keys, &Pace::BY_KEYS).expect("keys");
+        let path = CameraPath::new(24.0, &keys, &PathTiming::BY_KEYS).expect("keys");
         let camera = |time: f64| path.camera_at(time, 0).expect("a camera").position;
         let h = 1e-6;
         for &key in joints {
@@ -199,7 +204,7 @@ fn smooth_segments_join_given_ones() {
             let after = (camera(time + h) - camera(time)) / h;
             let cosine = before.normalize().dot(after.normalize());
             assert!(cosine > 1.0 - 1e-9, "{key}: {before} {after}");
-            let is_smooth_after = keys[key].segment.shape == Shape::CatmullRom;
+            let is_smooth_after = keys[key].segment.interpolation == Interpolation::CatmullRom;
             let (smooth, given, start) = match is_smooth_after {
                 true => (after, before, key),
                 false => (before, after, key - 1),

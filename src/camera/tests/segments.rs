@@ -5,9 +5,9 @@ use super::*;
 #[test]
 fn held_keys_are_cut_from() {
     let mut keys = uneven();
-    keys[2].segment.shape = Shape::Hold;
-    for pace in [Pace::BY_KEYS, CONSTANT] {
-        let path = CameraPath::new(24.0, &keys, &pace).expect("keys");
+    keys[2].segment.interpolation = Interpolation::Hold;
+    for timing in [PathTiming::BY_KEYS, CONSTANT] {
+        let path = CameraPath::new(24.0, &keys, &timing).expect("keys");
         let positions = positions(&path);
         let cuts: Vec<u32> = (0..300).filter(|&frame| path.is_cut(frame)).collect();
         assert_eq!(cuts.len(), 1);
@@ -25,10 +25,10 @@ fn held_keys_are_cut_from() {
 
 #[test]
 fn eased_segments_start_from_rest_and_come_to_rest() {
-    let mut keys = with(Shape::Linear, uneven());
+    let mut keys = with(Interpolation::Linear, uneven());
     for ease in [[true, false], [false, true], [true, true]] {
         [keys[2].segment.ease_in, keys[2].segment.ease_out] = ease;
-        let path = CameraPath::new(24.0, &keys, &Pace::BY_KEYS).expect("keys");
+        let path = CameraPath::new(24.0, &keys, &PathTiming::BY_KEYS).expect("keys");
         let camera = |time: f64| path.camera_at(time, 0).expect("a camera").position;
         let h = 1e-6;
         let speeds = [
@@ -44,14 +44,14 @@ fn eased_segments_start_from_rest_and_come_to_rest() {
 #[test]
 fn whole_paths_start_from_rest_and_come_to_rest() {
     for speed in [Speed::ByKeys, Speed::Constant] {
-        let pace = Pace {
+        let timing = PathTiming {
             speed,
             ease_in: 2.0,
             ease_out: 3.0,
-            ..Pace::BY_KEYS
+            ..PathTiming::BY_KEYS
         };
         let keys = uneven();
-        let path = CameraPath::new(24.0, &keys, &pace).expect("keys");
+        let path = CameraPath::new(24.0, &keys, &timing).expect("keys");
         let steps = steps(&path);
         assert!(steps[0] < 0.2 * steps[40] && steps[298] < 0.2 * steps[200]);
         for (&time, key) in path.keys().iter().zip(&keys) {
@@ -74,14 +74,14 @@ fn a_closed_path_has_no_seam() {
         time: 16.0,
         ..keys[0]
     });
-    for pace in [
+    for timing in [
         CLOSED,
-        Pace {
+        PathTiming {
             closed: true,
             ..CONSTANT
         },
     ] {
-        let path = CameraPath::new(1000.0, &keys, &pace).expect("keys");
+        let path = CameraPath::new(1000.0, &keys, &timing).expect("keys");
         assert!(path.is_closed());
         assert_eq!(path.timeline().frame_count(), 16000);
         let frame = |frame: i32| path.camera(frame.rem_euclid(16000) as u32);
@@ -103,8 +103,8 @@ fn a_closed_path_has_no_seam() {
 fn standing_keys_last_as_long_as_they_say() {
     let mut keys = uneven();
     keys[3].position = keys[2].position;
-    for pace in [Pace::BY_KEYS, CONSTANT] {
-        let path = CameraPath::new(24.0, &keys, &pace).expect("keys");
+    for timing in [PathTiming::BY_KEYS, CONSTANT] {
+        let path = CameraPath::new(24.0, &keys, &timing).expect("keys");
         let stands = positions(&path);
         let stands = stands.iter().filter(|&&p| p == keys[2].position).count();
         assert!((35..=37).contains(&stands), "{stands} frames in 1.5 s");

@@ -115,7 +115,7 @@ impl Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Keyframe, Orientation, Pace, Segment, Shape};
+    use crate::camera::{Interpolation, Keyframe, Orientation, PathTiming, Segment};
     use glam::DQuat;
 
     fn path(seconds: f64, turn: f64) -> CameraPath {
@@ -124,10 +124,10 @@ mod tests {
             position: DVec3::new(x, 0.0, 0.0),
             orientation: Orientation::Rotation(DQuat::from_rotation_y(degrees.to_radians())),
             field_of_view: 1.0,
-            segment: Segment::of(Shape::Linear),
+            segment: Segment::of(Interpolation::Linear),
         };
         let keys = [key(1.0, 0.0, 0.0), key(1.0 + seconds, 6.0, turn)];
-        CameraPath::new(10.0, &keys, &Pace::BY_KEYS).expect("two keys")
+        CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("two keys")
     }
 
     #[test]
@@ -150,20 +150,20 @@ mod tests {
 
     #[test]
     fn shots_end_where_the_camera_jumps() {
-        let key = |time: f64, x: f64, shape| Keyframe {
+        let key = |time: f64, x: f64, interpolation| Keyframe {
             time,
             position: DVec3::new(x, 0.0, 0.0),
             orientation: Orientation::Rotation(DQuat::IDENTITY),
             field_of_view: 1.0,
-            segment: Segment::of(shape),
+            segment: Segment::of(interpolation),
         };
         let keys = [
-            key(0.0, 0.0, Shape::Linear),
-            key(1.0, 1.0, Shape::Hold),
-            key(2.0, 50.0, Shape::Linear),
-            key(3.0, 51.0, Shape::Linear),
+            key(0.0, 0.0, Interpolation::Linear),
+            key(1.0, 1.0, Interpolation::Hold),
+            key(2.0, 50.0, Interpolation::Linear),
+            key(3.0, 51.0, Interpolation::Linear),
         ];
-        let path = CameraPath::new(10.0, &keys, &Pace::BY_KEYS).expect("a path with a cut");
+        let path = CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("a path with a cut");
         let motion = Motion::of(&path, 1.5);
         assert_eq!(motion.shots, [0..20, 20..31]);
         assert!((motion.length() - 2.0).abs() < 1e-9);
@@ -176,14 +176,14 @@ mod tests {
             position: DVec3::new(x, 0.0, 0.0),
             orientation: Orientation::Rotation(DQuat::IDENTITY),
             field_of_view: 1.0,
-            segment: Segment::of(Shape::Linear),
+            segment: Segment::of(Interpolation::Linear),
         };
         let keys = [key(0.0, 0.0), key(0.97, 1.0), key(2.0, 0.0)];
-        let pace = Pace {
+        let timing = PathTiming {
             closed: true,
-            ..Pace::BY_KEYS
+            ..PathTiming::BY_KEYS
         };
-        let path = CameraPath::new(10.0, &keys, &pace).expect("a closed path");
+        let path = CameraPath::new(10.0, &keys, &timing).expect("a closed path");
         let motion = Motion::of(&path, 1.5);
         assert_eq!((motion.shots.len(), motion.shots[0].clone()), (1, 0..21));
         assert_eq!(motion.cameras[20], motion.cameras[0]);
@@ -204,9 +204,9 @@ mod tests {
             position: DVec3::ZERO,
             orientation: Orientation::Rotation(DQuat::IDENTITY),
             field_of_view: 1.0,
-            segment: Segment::of(Shape::Linear),
+            segment: Segment::of(Interpolation::Linear),
         };
-        let still = CameraPath::new(24.0, &[key], &Pace::BY_KEYS).expect("a still");
+        let still = CameraPath::new(24.0, &[key], &PathTiming::BY_KEYS).expect("a still");
         let still = Motion::of(&still, 1.0);
         assert_eq!(still.frame_at(3.0), 0);
         assert!(still.speeds(&(0..1)).is_empty());

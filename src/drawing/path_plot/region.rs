@@ -141,7 +141,7 @@ fn looks(scene: &Scene, motion: &Motion) -> Vec<(DVec3, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape};
+    use crate::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment};
     use crate::geometry::Sphere;
     use crate::material::Material;
     use crate::scene::SceneBuilder;
@@ -162,10 +162,10 @@ mod tests {
             position,
             orientation: Orientation::Rotation(glam::DQuat::IDENTITY),
             field_of_view: 1.0,
-            segment: Segment::of(Shape::Linear),
+            segment: Segment::of(Interpolation::Linear),
         };
         let keys = [(0.0, ends[0]), (1.0, ends[1])].map(key);
-        let path = CameraPath::new(10.0, &keys, &Pace::BY_KEYS).expect("two keys");
+        let path = CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("two keys");
         Region::of(&builder.build().0, &Motion::of(&path, 1.0))
     }
 

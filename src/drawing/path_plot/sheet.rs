@@ -38,7 +38,7 @@ impl<'a> Sheet<'a> {
             true => "Elevation: towards −z, cut open just in front of the camera's path",
             false => "Elevation: towards +x, cut open just in front of the camera's path",
         };
-        let plan = "SequenceRecord: from above, cut open just above the camera's path";
+        let plan = "Plan: from above, cut open just above the camera's path";
         let panels = [
             Panel::new(View::PLAN, plan, layout.plan, &region.shown),
             Panel::new(elevation, from, layout.elevation, &region.shown),

@@ -5,7 +5,7 @@
 use flythrough::camera::FrameCameras;
 use flythrough::input::InputFiles;
 use flythrough::camera_formats::{import_cameras, load_camera_path};
-use flythrough::camera_formats::camera_path_file;
+use flythrough::camera_formats::camera_path_to_ron;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let file = flythrough_fuzz::file("cameras", bytes);
@@ -15,7 +15,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     if import.frames.cameras.len() > 1000 {
         return;
     }
-    let text = camera_path_file(&import.frames, import.size, "a file");
+    let text = camera_path_to_ron(&import.frames, import.size, "a file");
     let file = flythrough_fuzz::file("p.ron", text.as_bytes());
     let loaded = match load_camera_path(&file, &mut InputFiles::default()) {
         Ok(loaded) => FrameCameras::of(&loaded.path),

@@ -1,5 +1,7 @@
+//! The buffers and accessors of a glTF file (glTF 2.0 specification, section 3.6).
+
 use crate::input::InputError;
-use crate::input::check::{Checker, LARGEST};
+use crate::input::check::{Checker, MAX_MAGNITUDE};
 use crate::input::files::{InputFiles, relative_to};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -9,12 +11,12 @@ use gltf::buffer::Source;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The numbers that a glTF file refers to. Only what is asked for is read.
+/// The buffers of a glTF file, read on demand.
 pub(super) struct GltfBuffers<'a> {
     check: Checker<'a>,
-    /// What comes with the file itself.
+    /// The binary chunk of a `.glb` file.
     blob: Option<Vec<u8>>,
-    /// By index.
+    /// The buffers read so far, by index.
     read: BTreeMap<usize, Vec<u8>>,
 }
 
@@ -31,7 +33,7 @@ impl<'a> GltfBuffers<'a> {
         self.check.refuse(key, message)
     }
 
-    /// The elements of an accessor with so many components, of 1 to 4; at least one. `name` is what refers to it.
+    /// The elements of an accessor, at least one, of 1 to 4 `components`. `name` is its key in messages.
     pub(super) fn numbers(
         &mut self,
         accessor: &gltf::Accessor,
@@ -71,7 +73,7 @@ impl<'a> GltfBuffers<'a> {
             let start = i.checked_mul(stride)?.checked_add(offset)?;
             bytes.get(start..start.checked_add(size * components)?)
         };
-        // Before all are listed: how many there are is only said.
+        // Before allocation: the count may be wrong.
         if count == 0 || bytes_of(count - 1).is_none() {
             return self.refuse(name, "is empty or goes beyond its buffer");
         }
@@ -80,7 +82,7 @@ impl<'a> GltfBuffers<'a> {
             for (i, bytes) in bytes_of(i)?.chunks_exact(size).enumerate() {
                 element[i] = number(bytes);
             }
-            Some(element).filter(|element| element.abs().max_element() <= LARGEST)
+            Some(element).filter(|element| element.abs().max_element() <= MAX_MAGNITUDE)
         };
         match (0..count).map(element).collect() {
             Some(elements) => Ok(elements),

@@ -1,11 +1,9 @@
-//! Animated cameras of glTF files, as Blender exports them: `.gltf` and `.glb`.
-//!
-//! Everything but nodes, cameras and what moves them is passed over, whatever extensions it needs.
+//! Samples an animated camera of a glTF file at every frame.
 
-use super::gltf_buffers::GltfBuffers;
-use super::gltf_nodes::{GltfNodes, Pointed, gltf_nodes};
-use super::gltf_sampler::GltfSampler;
-use super::ron_reader::MOST_FRAMES;
+use super::super::MOST_FRAMES;
+use super::buffers::GltfBuffers;
+use super::nodes::{FovAnimation, GltfNodes, gltf_nodes};
+use super::sampler::GltfSampler;
 use crate::camera::{Camera, FrameCameras, Timeline};
 use crate::input::InputError;
 use crate::input::check::Checker;
@@ -15,17 +13,17 @@ use gltf::camera::Projection;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// A node of the chain from the scene's root to the camera.
-struct Link {
-    /// Its place in its parent, where nothing moves it.
+/// A node on the way from the scene's root to the camera.
+struct AnimatedNode {
+    /// The transform to its parent, if it is not animated.
     rest: DMat4,
-    /// Translation, rotation and scale at rest, and what moves them.
+    /// Translation, rotation and scale at rest, and their animations.
     parts: [(DVec4, Option<GltfSampler>); 3],
 }
 
-/// The cameras of a file's bytes, so many in a second, from the first key of what moves the camera to the last. Of
-/// several cameras the one of that name, else the only one that is animated.
-pub(super) fn parse(
+/// The cameras of a file's bytes at `fps` frames per second, from the first key of the camera's animation to the last.
+/// Of several cameras that of `name`, or the only one that is animated.
+pub(in super::super) fn parse(
     file: &Path,
     bytes: &[u8],
     fps: f64,
@@ -35,13 +33,13 @@ pub(super) fn parse(
     let GltfNodes {
         text,
         blob,
-        pointed,
+        fov_animations,
     } = gltf_nodes(file, bytes)?;
     let document = match gltf::Gltf::from_slice(&text) {
         Ok(gltf) => gltf.document,
         Err(error) => return check.refuse("glTF", error.to_string()),
     };
-    let (node, camera) = choose(check, &document, &pointed, name)?;
+    let (node, camera) = choose(check, &document, &fov_animations, name)?;
     let Projection::Perspective(perspective) = camera.projection() else {
         return check.refuse(
             "cameras",
@@ -49,19 +47,16 @@ pub(super) fn parse(
         );
     };
     let mut buffers = GltfBuffers::new(file, blob);
-    let chain = chain(check, &document, &node)?;
-    let mut links = Vec::new();
-    for node in &chain {
-        links.push(Link::read(&document, node, &mut buffers)?);
+    let mut nodes = Vec::new();
+    for node in &ancestry(check, &document, &node)? {
+        nodes.push(AnimatedNode::read(&document, node, &mut buffers)?);
     }
     let mut zoom = None;
-    for pointed in pointed.iter().filter(|p| p.camera == camera.index()) {
-        let name = format!(
-            "animations[{}].samplers[{}]",
-            pointed.animation, pointed.sampler
-        );
-        let animation = document.animations().nth(pointed.animation);
-        let sampler = animation.and_then(|animation| animation.samplers().nth(pointed.sampler));
+    let is_of_camera = |fov: &&FovAnimation| fov.camera == camera.index();
+    for fov in fov_animations.iter().filter(is_of_camera) {
+        let name = format!("animations[{}].samplers[{}]", fov.animation, fov.sampler);
+        let animation = document.animations().nth(fov.animation);
+        let sampler = animation.and_then(|animation| animation.samplers().nth(fov.sampler));
         let Some(sampler) = sampler else {
             return check.refuse(&name, "is missing");
         };
@@ -69,12 +64,12 @@ pub(super) fn parse(
         if zoom.replace(read).is_some() {
             return check.refuse(
                 &name,
-                "moves what another animation moves; keep one of them",
+                "animates the same property as another animation; keep one of them",
             );
         }
     }
 
-    let moving = links.iter().flat_map(|link| &link.parts);
+    let moving = nodes.iter().flat_map(|node| &node.parts);
     let moving = moving.filter_map(|(_, sampler)| sampler.as_ref());
     let samplers = moving.chain(&zoom);
     let spans = samplers.clone().map(GltfSampler::span);
@@ -90,10 +85,10 @@ pub(super) fn parse(
             Some(sampler) => sampler.at(time).x,
             None => perspective.yfov().into(),
         };
-        let place = links
+        let to_world = nodes
             .iter()
-            .fold(DMat4::IDENTITY, |place, link| place * link.at(time));
-        camera_of(check, place, fov, time)
+            .fold(DMat4::IDENTITY, |to_world, node| to_world * node.at(time));
+        camera_of(check, to_world, fov, time)
     };
     let samplers: Vec<&GltfSampler> = samplers.collect();
     let is_cut = |frame: &u32| {
@@ -107,6 +102,7 @@ pub(super) fn parse(
         start: timeline.start,
         cuts: cuts.map(|frame| frame as usize).collect(),
         cameras: (0..count).map(frame).collect::<Result<_, _>>()?,
+        is_closed: false,
     })
 }
 
@@ -114,7 +110,7 @@ pub(super) fn parse(
 fn choose<'a>(
     check: Checker,
     document: &'a gltf::Document,
-    pointed: &[Pointed],
+    fov_animations: &[FovAnimation],
     name: Option<&str>,
 ) -> Result<(gltf::Node<'a>, gltf::Camera<'a>), InputError> {
     let cameras = document
@@ -134,15 +130,15 @@ fn choose<'a>(
         cameras.retain(|(node, camera)| [node.name(), camera.name()].contains(&Some(wanted)));
     } else if cameras.len() > 1 {
         let is_moved = |(node, camera): &(gltf::Node, gltf::Camera)| {
-            let chain = chain(check, document, node).unwrap_or_default();
+            let nodes = ancestry(check, document, node).unwrap_or_default();
             let channels = document
                 .animations()
                 .flat_map(|animation| animation.channels());
             let mut targets = channels.map(|channel| channel.target().node().index());
-            targets.any(|target| chain.iter().any(|node| node.index() == target))
-                || pointed
+            targets.any(|target| nodes.iter().any(|node| node.index() == target))
+                || fov_animations
                     .iter()
-                    .any(|pointed| pointed.camera == camera.index())
+                    .any(|fov| fov.camera == camera.index())
         };
         cameras.retain(is_moved);
     }
@@ -153,7 +149,7 @@ fn choose<'a>(
 }
 
 /// The nodes from the scene's root to this one.
-fn chain<'a>(
+fn ancestry<'a>(
     check: Checker,
     document: &'a gltf::Document,
     node: &gltf::Node<'a>,
@@ -165,23 +161,23 @@ fn chain<'a>(
             .map(move |child| (child, parent.clone()))
     });
     let parents: BTreeMap<usize, gltf::Node> = parents.collect();
-    let mut chain = vec![node.clone()];
-    while let Some(parent) = parents.get(&chain[chain.len() - 1].index()) {
-        if chain.len() > parents.len() {
+    let mut nodes = vec![node.clone()];
+    while let Some(parent) = parents.get(&nodes[nodes.len() - 1].index()) {
+        if nodes.len() > parents.len() {
             return check.refuse("nodes", "a node is its own ancestor");
         }
-        chain.push(parent.clone());
+        nodes.push(parent.clone());
     }
-    chain.reverse();
-    Ok(chain)
+    nodes.reverse();
+    Ok(nodes)
 }
 
-impl Link {
+impl AnimatedNode {
     fn read(
         document: &gltf::Document,
         node: &gltf::Node,
         buffers: &mut GltfBuffers,
-    ) -> Result<Link, InputError> {
+    ) -> Result<AnimatedNode, InputError> {
         let rest = node.transform();
         let (translation, rotation, scale) = rest.clone().decomposed();
         let vector = |[x, y, z]: [f32; 3]| DVec3::new(x.into(), y.into(), z.into()).extend(0.0);
@@ -211,19 +207,21 @@ impl Link {
                 let read = GltfSampler::read(&sampler, &name, components, buffers)?;
                 if parts[part].1.replace(read).is_some() {
                     let node = node.name().unwrap_or_default();
-                    let message = format!("moves \"{node}\" as another does; keep one of them");
+                    let message = format!(
+                        "animates the same property of \"{node}\" as another sampler; keep one of them"
+                    );
                     return buffers.refuse(&name, message);
                 }
             }
         }
         let matrix = DMat4::from_cols_array_2d(&rest.matrix().map(|column| column.map(f64::from)));
-        Ok(Link {
+        Ok(AnimatedNode {
             rest: matrix,
             parts,
         })
     }
 
-    /// Its place in its parent at a time.
+    /// The transform to its parent at a time.
     fn at(&self, time: f64) -> DMat4 {
         if self.parts.iter().all(|(_, sampler)| sampler.is_none()) {
             return self.rest;
@@ -237,16 +235,16 @@ impl Link {
     }
 }
 
-/// The camera at a place in the scene: it does not know of scales.
-fn camera_of(check: Checker, place: DMat4, fov: f64, time: f64) -> Result<Camera, InputError> {
+/// The camera with a transform to the world, whose scale is ignored.
+fn camera_of(check: Checker, to_world: DMat4, fov: f64, time: f64) -> Result<Camera, InputError> {
     let [up, backward, position] =
-        [place.y_axis, place.z_axis, place.w_axis].map(|axis| axis.truncate());
+        [to_world.y_axis, to_world.z_axis, to_world.w_axis].map(|axis| axis.truncate());
     if !(fov > 0.0 && fov < std::f64::consts::PI) {
         let message = format!("{fov} at {time} s; a field of view lies between 0 and pi");
         return check.refuse("yfov", message);
     }
-    let spans = up.cross(backward).dot(place.x_axis.truncate());
-    if !(spans > 0.0 && position.is_finite()) {
+    let volume = up.cross(backward).dot(to_world.x_axis.truncate());
+    if !(volume > 0.0 && position.is_finite()) {
         let message = format!("the camera is mirrored or without size at {time} s");
         return check.refuse("nodes", message);
     }

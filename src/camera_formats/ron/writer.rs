@@ -1,11 +1,17 @@
+//! Writes the cameras of all frames as a camera path file.
+
 use crate::camera::FrameCameras;
 use std::fmt::Write;
 
-/// The text of a camera path file with a key for each frame: its frames have these cameras. `from` is a line about
-/// where they are from, `size` the columns and rows of the frames if they are known.
-pub fn camera_path_file(cameras: &FrameCameras, size: Option<(u32, u32)>, from: &str) -> String {
+/// The text of a camera path file with a key for each frame. `comment` stands above it; `size` is the columns and rows of
+/// the frames, if known.
+pub fn camera_path_to_ron(
+    cameras: &FrameCameras,
+    size: Option<(u32, u32)>,
+    comment: &str,
+) -> String {
     let mut text = String::new();
-    for line in from.lines() {
+    for line in comment.lines() {
         text += &format!("// {line}\n");
     }
     text += &format!(
@@ -22,11 +28,10 @@ pub fn camera_path_file(cameras: &FrameCameras, size: Option<(u32, u32)>, from: 
         let quaternion = camera.quaternion();
         let [a, b, c, d] = quaternion.to_array();
         let fov = camera.field_of_view().to_degrees();
-        // Half a turn has no short way, and from a frame to the next it is a cut.
+        // Half a turn has no shorter way; from a frame to the next it is a cut.
         let next = cameras.cameras.get(frame + 1);
         let is_half_turn = next.is_some_and(|next| quaternion.dot(next.quaternion()).abs() < 1e-6);
-        let is_cut = cameras.cuts.binary_search(&frame).is_ok();
-        let hold = if is_cut || is_half_turn {
+        let hold = if cameras.is_cut(frame) || is_half_turn {
             ", interpolation: hold"
         } else {
             ""

@@ -1,35 +1,37 @@
-use super::Frames;
+//! What preflight warns of.
+
+use super::FrameRuns;
 use std::fmt;
 use thiserror::Error;
 
-/// Something odd, and the frames that it is about.
+/// A warning, and the frames that it is about.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Finding {
+pub struct PathWarning {
     /// The frames.
-    pub frames: Frames,
-    /// What is odd about them.
-    pub kind: Oddity,
+    pub frames: FrameRuns,
+    /// What is wrong with them.
+    pub kind: WarningKind,
 }
 
-/// What may be odd about frames of a path. `frame` is the one where it is worst.
+/// What may be wrong with frames of a path. `frame` is the worst of them.
 ///
-/// A step is counted with the frame that it leads away from, after the last frame of a closed path to the first.
+/// A step belongs to the frame that it leaves; that from the last frame of a closed path leads to the first.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
-pub enum Oddity {
-    /// The camera is in a wall, a statue, a ball.
-    #[error("the camera is inside a body, {} m deep at frame {frame}", Short(*depth))]
-    Inside {
+pub enum WarningKind {
+    /// The camera is inside a solid object: a wall, a statue, a ball.
+    #[error("the camera is inside a solid object, {} m deep at frame {frame}", Short(*depth))]
+    InsideSolid {
         /// The worst frame.
         frame: u32,
         /// The distance to the nearest surface, in metres.
         depth: f64,
     },
     /// There is a surface between the camera of each frame and that of the next.
-    #[error("the camera passes through a surface on the way to the next frame")]
-    Through,
+    #[error("the camera crosses a surface on the way to the next frame")]
+    CrossesSurface,
     /// The camera is too close to a surface.
-    #[error("a surface is nearer than {} m: {} m at frame {frame}", Short(*near), Short(*distance))]
-    Near {
+    #[error("the camera is closer than {} m to a surface: {} m at frame {frame}", Short(*near), Short(*distance))]
+    NearSurface {
         /// The worst frame.
         frame: u32,
         /// The distance to the nearest surface, in metres.
@@ -37,23 +39,23 @@ pub enum Oddity {
         /// The distance that surfaces should have, in metres.
         near: f64,
     },
-    /// The camera moves much farther from one frame to the next than elsewhere.
+    /// The camera is much faster than elsewhere.
     #[error(
-        "the camera is much faster than elsewhere: {} m/s at frame {frame}, mostly {} m/s",
-        Short(*speed), Short(*usual)
+        "the camera's speed spikes to {} m/s at frame {frame}; its median is {} m/s",
+        Short(*speed), Short(*median)
     )]
-    Fast {
+    SpeedSpike {
         /// The worst frame.
         frame: u32,
         /// The speed there, in metres per second.
         speed: f64,
         /// The median speed of the frames in which the camera moves.
-        usual: f64,
+        median: f64,
     },
-    /// The camera changes its velocity all at once: a corner, or a start without easing.
+    /// The camera's velocity changes abruptly: a corner, or a start without easing.
     #[error(
-        "the camera's velocity jumps, by {} m/s at frame {frame}, where {} m/s is its usual speed",
-        Short(*jump), Short(*usual)
+        "the camera's velocity jumps by {} m/s at frame {frame}; its median speed is {} m/s",
+        Short(*jump), Short(*median)
     )]
     VelocityJump {
         /// The worst frame.
@@ -61,101 +63,102 @@ pub enum Oddity {
         /// The length of the change of the velocity, in metres per second.
         jump: f64,
         /// The median speed of the frames in which the camera moves.
-        usual: f64,
+        median: f64,
     },
-    /// The camera changes how it turns all at once.
+    /// The camera's angular velocity changes abruptly.
     #[error(
-        "the camera's turning jumps, by {} degrees/s at frame {frame}",
+        "the camera's angular velocity jumps by {} degrees/s at frame {frame}",
         Short(jump.to_degrees())
     )]
-    TurnJump {
+    AngularVelocityJump {
         /// The worst frame.
         frame: u32,
         /// The length of the change of the angular velocity, in radians per second.
         jump: f64,
     },
-    /// A [`Oddity::VelocityJump`] where a closed path goes on at its first frame.
+    /// A [`WarningKind::VelocityJump`] at the seam of a closed path.
     #[error(
-        "where the path closes the camera's velocity jumps, by {} m/s, where {} m/s is its usual speed",
-        Short(*jump), Short(*usual)
+        "the camera's velocity jumps by {} m/s where the path closes; its median speed is {} m/s",
+        Short(*jump), Short(*median)
     )]
     VelocityJumpAtSeam {
         /// The length of the change of the velocity, in metres per second.
         jump: f64,
         /// The median speed of the frames in which the camera moves.
-        usual: f64,
+        median: f64,
     },
-    /// A [`Oddity::TurnJump`] where a closed path goes on at its first frame.
+    /// A [`WarningKind::AngularVelocityJump`] at the seam of a closed path.
     #[error(
-        "where the path closes the camera's turning jumps, by {} degrees/s",
+        "the camera's angular velocity jumps by {} degrees/s where the path closes",
         Short(jump.to_degrees())
     )]
-    TurnJumpAtSeam {
+    AngularVelocityJumpAtSeam {
         /// The length of the change of the angular velocity, in radians per second.
         jump: f64,
     },
-    /// The camera, which keeps +Y up, looks almost straight up or down, and its picture spins.
+    /// The camera keeps +Y up and looks almost straight up or down, so that its picture spins.
     #[error(
-        "the picture spins, by {} degrees to the next frame at frame {frame}: the camera keeps +Y up and \
-         looks {} degrees from straight up or down",
+        "the picture spins by {} degrees to the next frame at frame {frame}: the camera keeps +Y up and \
+         looks within {} degrees of straight up or down",
         Short(turn.to_degrees()), Short(from_vertical.to_degrees())
     )]
-    Spinning {
+    SpinsNearVertical {
         /// The worst frame.
         frame: u32,
-        /// How far the camera's heading turns to the next frame, in radians.
+        /// The turn of the camera's heading to the next frame, in radians.
         turn: f64,
         /// The angle between where it looks and the vertical, in this frame or the next, in radians.
         from_vertical: f64,
     },
-    /// What is seen is somewhere else in the next frame: no longer a motion to the eye.
+    /// The image moves so fast that the eye sees separate frames, not a motion.
     #[error(
-        "what is seen moves by {} pixels a frame, of {width}, at frame {frame}: it crosses the picture in {} s, \
+        "the image moves by {} of {width} pixels per frame at frame {frame}: it crosses the picture in {} s, \
          and strobes below {} s",
         Short(*pixels), Short(*seconds), Short(*least_seconds)
     )]
     Strobing {
         /// The worst frame.
         frame: u32,
-        /// How far half of what is seen moves, or farther, to the next frame; at most `width`.
+        /// The median motion of the image to the next frame; at most `width`.
         pixels: f64,
         /// The width of the picture, in pixels.
         width: f64,
-        /// How long it would take to cross the picture.
+        /// The time to cross the picture, in seconds.
         seconds: f64,
-        /// How long it should take, at the frame rate of the path.
+        /// The least time that does not strobe at the frame rate of the path, in seconds.
         least_seconds: f64,
     },
-    /// The last frame of a path that is not closed is the first one once more.
-    #[error(
-        "the last frame repeats the first; if the video runs in a loop, `closed: true` drops it"
-    )]
-    RepeatsFirst,
+    /// The last frame of a path that is not closed shows the same as the first.
+    #[error("the last frame repeats the first; if the video loops, `closed: true` drops it")]
+    RepeatsFirstFrame,
 }
 
-/// A frame and a number, the greater the worse it is.
+/// A frame and a measure of it; the greatest is the worst.
 pub(super) type Measured = (usize, f64);
 
-impl Finding {
-    /// What some frames, rising, have in common; none of no frames. The kind is made of the worst.
-    pub(super) fn of(found: &[Measured], kind: impl FnOnce(u32, f64) -> Oddity) -> Option<Finding> {
-        // Of equals the first.
+impl PathWarning {
+    /// A warning about some frames, rising, of the kind that is made of the worst; none without frames.
+    pub(super) fn of(
+        found: &[Measured],
+        kind: impl FnOnce(u32, f64) -> WarningKind,
+    ) -> Option<PathWarning> {
+        // The first of equals.
         let worse = |a: Measured, b: Measured| if b.1 > a.1 { b } else { a };
         let (frame, worst) = found.iter().copied().reduce(worse)?;
-        Some(Finding {
-            frames: Frames::of(found.iter().map(|(frame, _)| *frame as u32)),
+        Some(PathWarning {
+            frames: FrameRuns::of(found.iter().map(|(frame, _)| *frame as u32)),
             kind: kind(frame as u32, worst),
         })
     }
 }
 
-impl fmt::Display for Finding {
+impl fmt::Display for PathWarning {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{}: {}", self.frames, self.kind)
     }
 }
 
-/// Writes a number with two digits, or more where they stand before the point, up to nine.
+/// Writes a number with two significant digits, or all those before the point, up to nine.
 struct Short(f64);
 
 impl fmt::Display for Short {
@@ -192,17 +195,17 @@ mod tests {
 
     #[test]
     fn the_worst_frame_is_named() {
-        let kind = |frame, distance: f64| Oddity::Near {
+        let kind = |frame, distance: f64| WarningKind::NearSurface {
             frame,
             distance: -distance,
             near: 0.1,
         };
         let found = [(3, -0.05), (4, -0.02), (5, -0.02), (9, -0.08)];
-        let finding = Finding::of(&found, kind).expect("four frames");
+        let warning = PathWarning::of(&found, kind).expect("four frames");
         assert_eq!(
-            finding.to_string(),
-            "frames 3-5 and 9: a surface is nearer than 0.10 m: 0.020 m at frame 4"
+            warning.to_string(),
+            "frames 3-5 and 9: the camera is closer than 0.10 m to a surface: 0.020 m at frame 4"
         );
-        assert_eq!(Finding::of(&[], kind), None);
+        assert_eq!(PathWarning::of(&[], kind), None);
     }
 }

@@ -1,30 +1,31 @@
-use super::gltf_buffers::GltfBuffers;
+//! Samplers of glTF animations (glTF 2.0 specification, section 3.11 and appendix C).
+
+use super::buffers::GltfBuffers;
 use crate::input::InputError;
 use glam::{DQuat, DVec4};
 use gltf::animation::Interpolation;
 
-/// How a property of a node or a camera changes, as the sampler of a glTF animation says (glTF 2.0 specification,
-/// section 3.11 and appendix C).
+/// The animation of one property of a node or a camera.
 #[derive(Debug)]
 pub(super) struct GltfSampler {
     /// In seconds; rising, at least one.
     times: Vec<f64>,
-    /// One for each time, or three: the derivative before it, the value, and the derivative after it.
+    /// One for each time, or for cubic splines three: in-tangent, value and out-tangent.
     values: Vec<DVec4>,
     interpolation: Interpolation,
     is_rotation: bool,
 }
 
-/// Values that differ by less are the same but for rounding.
+/// Tolerance for equal values.
 const SAME: f64 = 1e-6;
 
-/// So near to a key in seconds is on it: times are in single precision.
+/// Tolerance for a time that is on a key, in seconds: times are in single precision.
 fn rounding(time: f64) -> f64 {
     1e-6 + f64::from(f32::EPSILON) * time.abs()
 }
 
 impl GltfSampler {
-    /// Reads a sampler of values with so many components.
+    /// Reads a sampler whose values have `components` numbers.
     pub(super) fn read(
         sampler: &gltf::animation::Sampler,
         name: &str,
@@ -53,7 +54,7 @@ impl GltfSampler {
             is_rotation: components == 4,
         };
         if sampler.is_rotation {
-            sampler.turn_the_short_way();
+            sampler.take_shorter_ways();
         }
         Ok(sampler)
     }
@@ -63,8 +64,8 @@ impl GltfSampler {
         [self.times[0], self.times[self.times.len() - 1]]
     }
 
-    /// Whether the value jumps after one time and until another, in seconds, where it has stood still for as long as a
-    /// shot lasts: what is shorter stutters.
+    /// Whether there is a cut between two times, in seconds: a stepped change after the value has stood still for as long
+    /// as a shot. Shorter steps are a stutter.
     pub(super) fn jumps(&self, time: f64, next: f64) -> bool {
         const SHORTEST_SHOT: f64 = 0.2;
         let [Some(here), Some(after)] = [time, next].map(|time| self.key_before(time)) else {
@@ -83,7 +84,7 @@ impl GltfSampler {
         after.checked_sub(1)
     }
 
-    /// The value at a time in seconds; before the first key and after the last, theirs.
+    /// The value at a time in seconds; before the first key and after the last one it is constant.
     pub(super) fn at(&self, time: f64) -> DVec4 {
         let Some(key) = self.key_before(time) else {
             return self.value(0);
@@ -94,15 +95,15 @@ impl GltfSampler {
             return self.value(key);
         }
         let seconds = self.times[after] - self.times[key];
-        let share = (time - self.times[key]) / seconds;
+        let fraction = (time - self.times[key]) / seconds;
         let (a, b) = (self.value(key), self.value(after));
         match self.interpolation {
             Interpolation::Step => a,
-            Interpolation::Linear if self.is_rotation => slerp(a, b, share),
-            Interpolation::Linear => a.lerp(b, share),
+            Interpolation::Linear if self.is_rotation => slerp(a, b, fraction),
+            Interpolation::Linear => a.lerp(b, fraction),
             Interpolation::CubicSpline => {
-                let (leaving, arriving) = (self.values[3 * key + 2], self.values[3 * after]);
-                let value = hermite(a, leaving * seconds, b, arriving * seconds, share);
+                let (out_tangent, in_tangent) = (self.values[3 * key + 2], self.values[3 * after]);
+                let value = hermite(a, out_tangent * seconds, b, in_tangent * seconds, fraction);
                 if self.is_rotation {
                     value.normalize_or(a)
                 } else {
@@ -119,9 +120,9 @@ impl GltfSampler {
         }
     }
 
-    /// Of the two quaternions of a key, whose derivatives have the same sign, takes the one to which the curve is
-    /// the shorter. Blender writes either, and between keys of different signs the curve would swing through zero.
-    fn turn_the_short_way(&mut self) {
+    /// Flips the signs of quaternions and their tangents so that each cubic takes the shorter way. Blender writes either
+    /// sign, and between keys of different signs the curve would pass near zero.
+    fn take_shorter_ways(&mut self) {
         if self.interpolation != Interpolation::CubicSpline {
             return;
         }
@@ -129,9 +130,9 @@ impl GltfSampler {
             let third = (self.times[key] - self.times[key - 1]) / 3.0;
             let before = 3 * (key - 1);
             // The inner control points of the Bézier curve.
-            let leaving = self.values[before + 1] + third * self.values[before + 2];
-            let arriving = self.values[3 * key + 1] - third * self.values[3 * key];
-            if leaving.dot(arriving) < 0.0 {
+            let first = self.values[before + 1] + third * self.values[before + 2];
+            let second = self.values[3 * key + 1] - third * self.values[3 * key];
+            if first.dot(second) < 0.0 {
                 for value in &mut self.values[3 * key..3 * key + 3] {
                     *value = -*value;
                 }
@@ -140,9 +141,9 @@ impl GltfSampler {
     }
 }
 
-fn slerp(a: DVec4, b: DVec4, share: f64) -> DVec4 {
+fn slerp(a: DVec4, b: DVec4, s: f64) -> DVec4 {
     let [a, b] = [a, b].map(|v| DQuat::from_vec4(v.normalize_or(DVec4::W)));
-    a.slerp(b, share).into()
+    a.slerp(b, s).into()
 }
 
 /// The cubic with values a, b and derivatives da, db at s = 0 and 1.

@@ -1,17 +1,19 @@
+//! Frame numbers as runs, for messages.
+
 use std::fmt;
 
-/// So many runs of frames are listed, those after them are counted.
+/// The most runs that are listed; the frames of further ones are counted.
 const MOST_RUNS: usize = 8;
 
-/// Some frames of a path, at least one.
+/// Some frames of a path, at least one, as runs without gaps.
 ///
 /// Written as "frame 7" or "frames 120-131, 140 and 150".
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Frames(Vec<[u32; 2]>);
+pub struct FrameRuns(Vec<[u32; 2]>);
 
-impl Frames {
+impl FrameRuns {
     /// Frames by their numbers, rising.
-    pub(super) fn of(numbers: impl IntoIterator<Item = u32>) -> Frames {
+    pub(super) fn of(numbers: impl IntoIterator<Item = u32>) -> FrameRuns {
         let mut runs: Vec<[u32; 2]> = Vec::new();
         for number in numbers {
             match runs.last_mut() {
@@ -19,7 +21,7 @@ impl Frames {
                 _ => runs.push([number, number]),
             }
         }
-        Frames(runs)
+        FrameRuns(runs)
     }
 
     /// The first and the last frame of each run of frames without a gap, rising.
@@ -33,7 +35,7 @@ impl Frames {
     }
 }
 
-impl fmt::Display for Frames {
+impl fmt::Display for FrameRuns {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let (listed, others) = self.0.split_at(self.0.len().min(MOST_RUNS));
         let mut runs: Vec<String> = listed
@@ -44,7 +46,7 @@ impl fmt::Display for Frames {
             })
             .collect();
         if !others.is_empty() {
-            runs.push(format!("{} others", Frames(others.to_vec()).count()));
+            runs.push(format!("{} others", FrameRuns(others.to_vec()).count()));
         }
         let plural = if self.count() == 1 { "" } else { "s" };
         write!(f, "frame{plural} ")?;
@@ -63,7 +65,7 @@ mod tests {
 
     #[test]
     fn frames_are_written_as_runs() {
-        let written = |numbers: &[u32]| Frames::of(numbers.iter().copied()).to_string();
+        let written = |numbers: &[u32]| FrameRuns::of(numbers.iter().copied()).to_string();
         assert_eq!(written(&[7]), "frame 7");
         assert_eq!(written(&[7, 8]), "frames 7-8");
         assert_eq!(written(&[0, 9]), "frames 0 and 9");
@@ -77,7 +79,7 @@ mod tests {
 
     #[test]
     fn runs_hold_every_frame_once() {
-        let frames = Frames::of([3, 4, 5, 8]);
+        let frames = FrameRuns::of([3, 4, 5, 8]);
         assert_eq!(frames.runs(), [[3, 5], [8, 8]]);
         assert_eq!(frames.count(), 4);
     }

@@ -1,13 +1,15 @@
-use super::json_file;
+//! What a glTF file contains of nodes, cameras and animations, reduced to the core of glTF 2.0.
+
+use super::super::json;
 use crate::input::InputError;
 use crate::input::check::Checker;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// How binary files begin.
-pub(super) const MAGIC: &[u8] = b"glTF";
+/// The first bytes of a binary file.
+pub(in super::super) const MAGIC: &[u8] = b"glTF";
 
-/// What is kept of a file, and of each of its nodes.
+/// The keys that are kept of a file, and of each of its nodes.
 const OF_FILE: [&str; 7] = [
     "asset",
     "nodes",
@@ -27,24 +29,24 @@ const OF_NODE: [&str; 7] = [
     "scale",
 ];
 
-/// What of a glTF file is about nodes, cameras and their animations.
+/// The nodes, cameras and animations of a glTF file.
 pub(super) struct GltfNodes {
     /// JSON in the core of glTF, without extensions.
     pub(super) text: Vec<u8>,
-    /// The buffer that comes with a binary file.
+    /// The binary chunk of a `.glb` file.
     pub(super) blob: Option<Vec<u8>>,
-    /// What the core has no words for.
-    pub(super) pointed: Vec<Pointed>,
+    /// The animations of fields of view, which the core of glTF does not have.
+    pub(super) fov_animations: Vec<FovAnimation>,
 }
 
-/// A pointer of an animation to a camera's field of view (KHR_animation_pointer).
-pub(super) struct Pointed {
+/// An animation of a camera's field of view (KHR_animation_pointer), by indices.
+pub(super) struct FovAnimation {
     pub(super) animation: usize,
     pub(super) sampler: usize,
     pub(super) camera: usize,
 }
 
-/// Takes from a file's bytes what is about cameras, in the core of glTF, and refuses what the library would trust.
+/// Reduces a file's bytes to nodes, cameras and animations, and refuses animations that the gltf crate does not check.
 pub(super) fn gltf_nodes(file: &Path, bytes: &[u8]) -> Result<GltfNodes, InputError> {
     let check = Checker { file };
     let (text, blob) = match bytes.starts_with(MAGIC) {
@@ -54,7 +56,7 @@ pub(super) fn gltf_nodes(file: &Path, bytes: &[u8]) -> Result<GltfNodes, InputEr
         },
         false => (bytes, None),
     };
-    let mut all: Map<String, Value> = json_file::parse(file, text)?;
+    let mut all: Map<String, Value> = json::parse(file, text)?;
     all.retain(|key, _| OF_FILE.contains(&key.as_str()));
     for node in entries(all.get_mut("nodes")) {
         node.retain(|key, _| OF_NODE.contains(&key.as_str()));
@@ -63,15 +65,15 @@ pub(super) fn gltf_nodes(file: &Path, bytes: &[u8]) -> Result<GltfNodes, InputEr
         .get("nodes")
         .and_then(Value::as_array)
         .map_or(0, Vec::len);
-    let mut pointed = Vec::new();
+    let mut fov_animations = Vec::new();
     for (animation, entry) in entries(all.get_mut("animations")).enumerate() {
         let Some(Value::Array(channels)) = entry.get_mut("channels") else {
             continue;
         };
         channels.retain_mut(|channel| match target_of(channel) {
-            Target::Kept => true,
+            Target::Node => true,
             Target::FieldOfView { sampler, camera } => {
-                pointed.push(Pointed {
+                fov_animations.push(FovAnimation {
                     animation,
                     sampler,
                     camera,
@@ -80,20 +82,20 @@ pub(super) fn gltf_nodes(file: &Path, bytes: &[u8]) -> Result<GltfNodes, InputEr
             }
             Target::Other => false,
         });
-        if let Some(fault) = fault_of(entry, nodes) {
-            let name = format!("animations[{animation}].{fault}");
-            return check.refuse(&name, "is not one of those there can be");
+        if let Some(key) = invalid_key(entry, nodes) {
+            let name = format!("animations[{animation}].{key}");
+            return check.refuse(&name, "is not a valid value");
         }
     }
     Ok(GltfNodes {
         text: Value::Object(all).to_string().into_bytes(),
         blob,
-        pointed,
+        fov_animations,
     })
 }
 
-/// What is wrong in an animation, of what the library takes on trust.
-fn fault_of(animation: &Map<String, Value>, nodes: usize) -> Option<String> {
+/// The first key of an animation whose value is invalid, of those that the gltf crate does not check.
+fn invalid_key(animation: &Map<String, Value>, nodes: usize) -> Option<String> {
     let list = |key: &str| animation.get(key)?.as_array();
     let channels = list("channels").into_iter().flatten().enumerate();
     for (i, channel) in channels {
@@ -128,25 +130,26 @@ fn entries(list: Option<&mut Value>) -> impl Iterator<Item = &mut Map<String, Va
     entries.filter_map(Value::as_object_mut)
 }
 
+/// The target of a channel.
 enum Target {
-    /// A node, in the core of glTF.
-    Kept,
+    /// A node.
+    Node,
     FieldOfView {
         sampler: usize,
         camera: usize,
     },
-    /// What does not move a camera.
+    /// Anything that does not move a camera.
     Other,
 }
 
-/// What a channel moves. One that points to what the core has a name for is given that.
+/// The target of a channel. A pointer to a property of a node is rewritten to the core of glTF.
 fn target_of(channel: &mut Value) -> Target {
     let kind = &channel["target"]["path"];
     if kind == "weights" {
         return Target::Other;
     }
     if kind != "pointer" {
-        return Target::Kept;
+        return Target::Node;
     }
     let pointer = &channel["target"]["extensions"]["KHR_animation_pointer"]["pointer"];
     let pointer = pointer.as_str().unwrap_or_default().to_owned();
@@ -162,7 +165,7 @@ fn target_of(channel: &mut Value) -> Target {
                 return Target::Other;
             };
             channel["target"] = serde_json::json!({"node": node, "path": part});
-            Target::Kept
+            Target::Node
         }
         _ => Target::Other,
     }
@@ -171,7 +174,7 @@ fn target_of(channel: &mut Value) -> Target {
 /// The JSON of a binary glTF file and, if there is one, its buffer (glTF 2.0 specification, section 4.4).
 fn chunks(bytes: &[u8]) -> Option<(&[u8], Option<&[u8]>)> {
     const VERSION: [u8; 4] = 2_u32.to_le_bytes();
-    // The length that comes before is that of the file.
+    // Magic, version and the length of the file come first.
     let (text, rest) = chunk(bytes.get(12..)?, b"JSON")?;
     let blob = match rest {
         [] => None,
@@ -180,7 +183,7 @@ fn chunks(bytes: &[u8]) -> Option<(&[u8], Option<&[u8]>)> {
     (bytes[4..8] == VERSION).then_some((text, blob))
 }
 
-/// What is in a chunk of a kind, and what comes after it.
+/// The content of a chunk of a kind, and the bytes after it.
 fn chunk<'a>(bytes: &'a [u8], kind: &[u8; 4]) -> Option<(&'a [u8], &'a [u8])> {
     let length = u32::from_le_bytes(*bytes.first_chunk()?);
     let content = bytes.get(4..)?.strip_prefix(kind)?;

@@ -1,7 +1,8 @@
-//! Scenes and paths of the tests.
+//! Scenes and camera paths for the tests of preflight.
 
-use super::flight::Flight;
-use crate::camera::{Camera, CameraPath, Keyframe, Orientation, Pace, Segment, Shape, Steering};
+use crate::camera::{
+    Camera, CameraPath, FrameCameras, Interpolation, Keyframe, Orientation, PathTiming, Segment,
+};
 use crate::geometry::{self, Sphere};
 use crate::material::Material;
 use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
@@ -10,24 +11,24 @@ use glam::{DVec3, Vec3};
 /// Frames per second of all paths.
 pub(super) const FPS: f64 = 24.0;
 
-/// A path through keys: their times, and where the camera is and looks at, 50 degrees high.
-pub(super) fn path(shape: Shape, keys: &[(f64, DVec3, DVec3)]) -> CameraPath {
+/// A path through keys of a time, a position and a target, with a vertical field of view of 50 degrees.
+pub(super) fn path(interpolation: Interpolation, keys: &[(f64, DVec3, DVec3)]) -> CameraPath {
     let key = |&(time, position, target): &(f64, DVec3, DVec3)| Keyframe {
         time,
         position,
         orientation: Orientation::LookAt { target, roll: 0.0 },
         field_of_view: 50.0_f64.to_radians(),
-        segment: Segment::of(shape),
+        segment: Segment::of(interpolation),
     };
     let keys: Vec<Keyframe> = keys.iter().map(key).collect();
-    CameraPath::new(FPS, &keys, &Pace::BY_KEYS).expect("a path")
+    CameraPath::new(FPS, &keys, &PathTiming::BY_KEYS).expect("a path")
 }
 
 /// A straight walk of one second that looks along -Z.
 pub(super) fn walk(from: DVec3, to: DVec3) -> CameraPath {
     let ahead = DVec3::new(0.0, 0.0, -1e3);
     path(
-        Shape::Linear,
+        Interpolation::Linear,
         &[(0.0, from, from + ahead), (1.0, to, to + ahead)],
     )
 }
@@ -37,18 +38,18 @@ pub(super) fn still(position: DVec3, direction: DVec3) -> Camera {
     Camera::look_at(position, position + direction, 50.0_f64.to_radians()).expect("not vertical")
 }
 
-/// Frames of an open path without jumps.
-pub(super) fn flight(cameras: Vec<Camera>) -> Flight {
-    Flight {
-        cuts: vec![false; cameras.len()],
-        cameras,
-        is_closed: false,
+/// The frames of an open path without cuts.
+pub(super) fn open_shot(cameras: Vec<Camera>) -> FrameCameras {
+    FrameCameras {
         fps: FPS,
-        steering: Steering::Rotations,
+        start: 0.0,
+        cameras,
+        cuts: Vec::new(),
+        is_closed: false,
     }
 }
 
-/// A closed box, seen from outside, with vertices of its own.
+/// A closed box whose faces point outward, with vertices of its own.
 pub(super) fn cuboid(min: DVec3, max: DVec3) -> SourceMesh {
     let (positions, triangles) = geometry::cuboid(min, max);
     SourceMesh {
@@ -60,7 +61,7 @@ pub(super) fn cuboid(min: DVec3, max: DVec3) -> SourceMesh {
     }
 }
 
-/// The same with all faces seen from behind.
+/// The same mesh with all faces flipped.
 pub(super) fn inverted(mut mesh: SourceMesh) -> SourceMesh {
     for vertices in &mut mesh.triangles {
         vertices.swap(1, 2);
@@ -81,7 +82,7 @@ pub(super) fn scene(meshes: Vec<SourceMesh>, spheres: &[(DVec3, f64)]) -> Scene 
     builder.build().0
 }
 
-/// A room of 10 x 4 x 10 m about the middle of its floor, its walls seen from inside.
+/// A room of 10 x 4 x 10 m around the middle of its floor, its faces pointing inward.
 pub(super) fn hall() -> SourceMesh {
     inverted(cuboid(
         DVec3::new(-5.0, 0.0, -5.0),

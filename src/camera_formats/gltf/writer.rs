@@ -1,53 +1,38 @@
+//! Writes an animated camera as a glTF file.
+
+use super::super::ExportError;
 use crate::camera::FrameCameras;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use glam::DQuat;
 use serde_json::{Value, json};
-use thiserror::Error;
 
-/// How a glTF file holds its numbers.
+/// Where a glTF file holds its buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GltfContainer {
-    /// As text, in the JSON itself: `.gltf`.
+pub(in super::super) enum GltfContainer {
+    /// In the JSON, in base64: `.gltf`.
     Text,
-    /// Behind the JSON: `.glb`.
+    /// In a binary chunk: `.glb`.
     Binary,
 }
 
-/// Times may be rounded by so much of a frame.
+/// The greatest rounding of times, in frames.
 const MOST_ROUNDING: f64 = 0.02;
 
-/// Why cameras do not make a glTF file.
-#[derive(Debug, Error)]
-pub enum GltfError {
-    /// The times of frames that follow each other would not be told apart, or be uneven.
-    #[error(
-        "glTF keeps times in single precision, which cannot tell frames near {end} s apart: begin the path at 0 s, \
-         or export .json or .jsonl"
-    )]
-    Times {
-        /// When the last frame is shown, in seconds.
-        end: f64,
-    },
-    /// The text cannot be written.
-    #[error(transparent)]
-    Json(#[from] serde_json::Error),
-}
-
-/// The bytes of a glTF file of an animated camera with a key for each frame, between which it is linear; `aspect` is
-/// its columns by its rows. Numbers are in single precision, as always in glTF. A field of view that changes is
-/// animated by KHR_animation_pointer; programs that do not know it see the first.
-pub fn gltf_file(
+/// The bytes of a glTF file with an animated camera that has a linear key for each frame; `aspect` is width over
+/// height. Numbers are in single precision, as always in glTF. A field of view that changes is animated by
+/// KHR_animation_pointer; programs without this extension use that of the first frame.
+pub(in super::super) fn to_gltf(
     cameras: &FrameCameras,
     aspect: f64,
     container: GltfContainer,
-) -> Result<Vec<u8>, GltfError> {
+) -> Result<Vec<u8>, ExportError> {
     let mut data = Data::default();
     let count = cameras.cameras.len();
     let end = cameras.time_of(count - 1);
     let rounding = 0.5 * f64::from(f32::EPSILON) * end.abs().max(cameras.start.abs());
     if count > 1 && rounding * cameras.fps > MOST_ROUNDING {
-        return Err(GltfError::Times { end });
+        return Err(ExportError::GltfTimes { end });
     }
     let times = (0..count).map(|frame| cameras.time_of(frame) as f32);
     let times: Vec<f32> = times.collect();
@@ -59,7 +44,7 @@ pub fn gltf_file(
     let mut rotations: Vec<DQuat> = Vec::new();
     for camera in &cameras.cameras {
         let rotation = camera.quaternion();
-        // Of both signs the one nearer to the last: not everybody looks for the short way.
+        // The sign that is nearer to the last: not every reader takes the shorter way.
         let flips = rotations
             .last()
             .is_some_and(|last| last.dot(rotation) < 0.0);
@@ -117,7 +102,7 @@ pub fn gltf_file(
     }
 }
 
-/// Numbers, and the lists of what they are.
+/// The buffer, its views and their accessors.
 #[derive(Default)]
 struct Data {
     bytes: Vec<u8>,
@@ -126,7 +111,7 @@ struct Data {
 }
 
 impl Data {
-    /// Adds an accessor to so many elements and returns its index. `more` is what else is to be said of it.
+    /// Adds `count` elements and returns the index of their accessor, which gets `more` properties.
     fn add(
         &mut self,
         kind: &str,
@@ -151,7 +136,7 @@ impl Data {
     }
 }
 
-/// A binary glTF file: a header and two chunks, each padded to whole words (glTF 2.0 specification, section 4.4).
+/// A binary glTF file: a header and two chunks, each padded to a multiple of 4 bytes (glTF 2.0 specification, section 4.4).
 fn binary(mut text: Vec<u8>, data: Vec<u8>) -> Vec<u8> {
     text.resize(text.len().next_multiple_of(4), b' ');
     let length = 12 + 8 + text.len() + 8 + data.len();

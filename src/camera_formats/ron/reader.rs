@@ -1,21 +1,18 @@
-//! Camera path files.
-//!
-//! ```ron
-#![doc = include_str!("../../paths/zoom.ron")]
-//! ```
+//! Reads camera path files.
 
-use crate::camera::{CameraPath, Keyframe, Orientation, Pace, Segment, Shape, Speed};
+use super::super::MOST_FRAMES;
+use super::schema::{CameraPathFile, EaseFile, InterpolationFile, KeyframeFile, SpeedFile};
+use crate::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment, Speed};
 use crate::input::InputError;
 use crate::input::InputFiles;
 use crate::input::Settings;
-use crate::input::check::{Checker, LARGEST, Triple};
+use crate::input::check::{Checker, MAX_MAGNITUDE, Triple};
 use crate::input::ron_file;
 use crate::math::rotation_xyz;
 use glam::{DQuat, DVec3};
-use serde::Deserialize;
 use std::path::Path;
 
-/// A camera path and the settings that stand with it.
+/// A camera path and the settings of its file.
 #[derive(Debug)]
 pub struct CameraPathInput {
     /// A camera for every frame.
@@ -23,73 +20,6 @@ pub struct CameraPathInput {
     /// Settings of the file.
     pub settings: Settings,
 }
-
-#[derive(Deserialize)]
-#[serde(rename = "CameraPath", deny_unknown_fields)]
-struct CameraPathFile {
-    fps: f64,
-    #[serde(default)]
-    interpolation: InterpolationFile,
-    #[serde(default)]
-    speed: SpeedFile,
-    #[serde(default)]
-    closed: bool,
-    #[serde(default)]
-    ease_in: f64,
-    #[serde(default)]
-    ease_out: f64,
-    #[serde(default)]
-    settings: Settings,
-    keyframes: Vec<KeyframeFile>,
-}
-
-#[derive(Clone, Copy, Default, Deserialize)]
-#[serde(rename = "Speed", rename_all = "snake_case")]
-enum SpeedFile {
-    #[default]
-    ByKeys,
-    Constant,
-}
-
-#[derive(Clone, Copy, Default, PartialEq, Deserialize)]
-#[serde(rename = "Interpolation", rename_all = "snake_case")]
-enum InterpolationFile {
-    Hold,
-    Linear,
-    #[default]
-    CatmullRom,
-    Bezier,
-    Hermite,
-}
-
-#[derive(Clone, Copy, Deserialize)]
-#[serde(rename = "Ease", rename_all = "snake_case")]
-enum EaseFile {
-    In,
-    Out,
-    InOut,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Keyframe", deny_unknown_fields)]
-struct KeyframeFile {
-    time: f64,
-    position: Triple,
-    look_at: Option<Triple>,
-    roll: Option<f64>,
-    rotation: Option<Triple>,
-    yaw_pitch_roll: Option<Triple>,
-    quaternion: Option<(f64, f64, f64, f64)>,
-    fov: f64,
-    interpolation: Option<InterpolationFile>,
-    ease: Option<EaseFile>,
-    velocity: Option<Triple>,
-    handle_in: Option<Triple>,
-    handle_out: Option<Triple>,
-}
-
-/// More frames than a film of a day has.
-pub(super) const MOST_FRAMES: u32 = 10_000_000;
 
 /// Loads a camera path file and checks the camera of every frame.
 pub fn load_camera_path(
@@ -99,7 +29,7 @@ pub fn load_camera_path(
     parse_camera_path(file, &files.read(file)?)
 }
 
-/// As [`load_camera_path`], of the bytes of a file, which need not be there.
+/// As [`load_camera_path`], from bytes; `file` is for messages only.
 pub fn parse_camera_path(file: &Path, bytes: &[u8]) -> Result<CameraPathInput, InputError> {
     let parsed: CameraPathFile = ron_file::parse(file, bytes)?;
     let check = Checker { file };
@@ -116,16 +46,16 @@ pub fn parse_camera_path(file: &Path, bytes: &[u8]) -> Result<CameraPathInput, I
     {
         return check.refuse("fps", format!("gives more than {MOST_FRAMES} frames"));
     }
-    let pace = Pace {
+    let timing = PathTiming {
         speed: match parsed.speed {
             SpeedFile::ByKeys => Speed::ByKeys,
             SpeedFile::Constant => Speed::Constant,
         },
         closed: parsed.closed,
-        ease_in: check.range("ease_in", parsed.ease_in, 0.0, LARGEST)?,
-        ease_out: check.range("ease_out", parsed.ease_out, 0.0, LARGEST)?,
+        ease_in: check.range("ease_in", parsed.ease_in, 0.0, MAX_MAGNITUDE)?,
+        ease_out: check.range("ease_out", parsed.ease_out, 0.0, MAX_MAGNITUDE)?,
     };
-    match CameraPath::new(fps, &keys, &pace) {
+    match CameraPath::new(fps, &keys, &timing) {
         Ok(path) => Ok(CameraPathInput {
             path,
             settings: parsed.settings,
@@ -134,7 +64,7 @@ pub fn parse_camera_path(file: &Path, bytes: &[u8]) -> Result<CameraPathInput, I
     }
 }
 
-/// A key of its own: nothing is known yet of the way to the next.
+/// A key without its segment.
 fn keyframe(check: Checker, index: usize, key: &KeyframeFile) -> Result<Keyframe, InputError> {
     let name = |field: &str| format!("keyframes[{index}].{field}");
     let field_of_view = check.field_of_view(&name("fov"), key.fov)?;
@@ -147,7 +77,7 @@ fn keyframe(check: Checker, index: usize, key: &KeyframeFile) -> Result<Keyframe
         position: check.vector(&name("position"), key.position)?,
         orientation: orientation(check, index, key)?,
         field_of_view,
-        segment: Segment::of(Shape::CatmullRom),
+        segment: Segment::of(Interpolation::CatmullRom),
     })
 }
 
@@ -174,7 +104,12 @@ fn orientation(
         (Some(point), None, None, None) => Ok(Orientation::LookAt {
             target: check.vector(&name("look_at"), point)?,
             roll: check
-                .range(&name("roll"), key.roll.unwrap_or(0.0), -LARGEST, LARGEST)?
+                .range(
+                    &name("roll"),
+                    key.roll.unwrap_or(0.0),
+                    -MAX_MAGNITUDE,
+                    MAX_MAGNITUDE,
+                )?
                 .to_radians(),
         }),
         (None, Some(angles), None, None) => {
@@ -187,7 +122,7 @@ fn orientation(
         }
         (None, None, None, Some((x, y, z, w))) => {
             let quaternion = DQuat::from_xyzw(x, y, z, w);
-            // What is typed or was stored in single precision is so only nearly.
+            // Typed or stored in single precision it is unit length only approximately.
             if !(0.999..1.001).contains(&quaternion.length()) {
                 let message = format!("({x}, {y}, {z}, {w}) is not of length 1");
                 return check.refuse(&name("quaternion"), message);
@@ -203,7 +138,7 @@ fn orientation(
     }
 }
 
-/// Sets the segments of keys, and refuses tangents and easing that are given and would not be used.
+/// Sets the segments of the keys, and refuses tangents and easing that would have no effect.
 fn segments(
     check: Checker,
     parsed: &CameraPathFile,
@@ -248,7 +183,7 @@ fn segments(
     Ok(())
 }
 
-/// The way from a key to the next, whose fields were checked.
+/// The segment from a key to the next, whose fields were checked.
 fn segment(
     check: Checker,
     interpolation: InterpolationFile,
@@ -261,25 +196,25 @@ fn segment(
         check.vector(&format!("keyframes[{key}].{field}"), given)
     };
     let (i, j) = (index, index + 1);
-    let shape = match interpolation {
-        InterpolationFile::Hold => Shape::Hold,
-        InterpolationFile::Linear => Shape::Linear,
-        InterpolationFile::CatmullRom => Shape::CatmullRom,
+    let interpolation = match interpolation {
+        InterpolationFile::Hold => Interpolation::Hold,
+        InterpolationFile::Linear => Interpolation::Linear,
+        InterpolationFile::CatmullRom => Interpolation::CatmullRom,
         InterpolationFile::Hermite => {
             let seconds = keys[j].time - keys[i].time;
-            Shape::Cubic(
+            Interpolation::Hermite(
                 vector(i, "velocity", files[i].velocity)? * seconds,
                 vector(j, "velocity", files[j].velocity)? * seconds,
             )
         }
-        InterpolationFile::Bezier => Shape::Cubic(
+        InterpolationFile::Bezier => Interpolation::Hermite(
             (vector(i, "handle_out", files[i].handle_out)? - keys[i].position) * 3.0,
             (keys[j].position - vector(j, "handle_in", files[j].handle_in)?) * 3.0,
         ),
     };
     let ease = files[i].ease;
     Ok(Segment {
-        shape,
+        interpolation,
         ease_in: matches!(ease, Some(EaseFile::In | EaseFile::InOut)),
         ease_out: matches!(ease, Some(EaseFile::Out | EaseFile::InOut)),
     })

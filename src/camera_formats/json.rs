@@ -1,3 +1,5 @@
+//! JSON files, with errors that name line and column.
+
 use crate::input::InputError;
 use serde::de::DeserializeOwned;
 use std::path::Path;

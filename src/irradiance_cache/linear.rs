@@ -1,0 +1,21 @@
+//! A value with a gradient, as Ward and Heckbert 1992 ("Irradiance Gradients") extend the records of an irradiance
+//! cache. Here the gradient is fitted to neighbouring records: see `bake`.
+
+use glam::Vec3;
+
+/// Mean incident radiance around a record as a linear function of position.
+#[derive(Clone, Copy, Debug)]
+pub struct LinearIrradiance {
+    /// At the record: E / π in W/(sr m²), RGB.
+    pub mean_radiance: Vec3,
+    /// The gradient of each channel in W/(sr m³); it lies in the record's tangent plane.
+    pub gradient: [Vec3; 3],
+}
+
+impl LinearIrradiance {
+    /// The value at an offset from the record, in metres. It may be negative.
+    #[inline]
+    pub fn at(&self, offset: Vec3) -> Vec3 {
+        self.mean_radiance + Vec3::from_array(self.gradient.map(|gradient| gradient.dot(offset)))
+    }
+}

@@ -1,0 +1,508 @@
+//! The modules of the crate import only from lower layers of the table in `src/lib.rs`.
+//!
+//! Imports are read from the source text: `use` declarations and paths within code, tests included, comments
+//! and strings not.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+/// Segments of a path from the crate's root, as in `accel::node`.
+type ModulePath = Vec<String>;
+
+/// A word, `::` or a single other character, and its line, from 1.
+type Token = (String, usize);
+
+/// One place where a file names something of this crate.
+#[derive(Clone, Debug)]
+struct Import {
+    /// From the crate's root; the last segment may be `*`.
+    path: ModulePath,
+    line: usize,
+    /// The name that a `use` declaration gives it, and whether the declaration is public.
+    bound: Option<(String, bool)>,
+}
+
+/// A source file of the library.
+#[derive(Clone, Debug)]
+struct SourceFile {
+    /// As in `src/accel/node.rs`.
+    name: String,
+    imports: Vec<Import>,
+    /// Words that stand outside `use` declarations.
+    words: BTreeSet<String>,
+}
+
+/// All source files by the modules that they hold; `src/lib.rs` is the empty path.
+type Crate = BTreeMap<ModulePath, SourceFile>;
+
+#[test]
+fn modules_import_only_from_lower_layers() {
+    let layers = layers(&root_text());
+    let mut faults = String::new();
+    for (module, file) in &read_crate() {
+        let Some(own) = module.first() else { continue };
+        for Import { path, line, .. } in &file.imports {
+            let name = &file.name;
+            let (Some(layer), Some(other)) = (layers.get(own), layers.get(&path[0])) else {
+                let path = path.join("::");
+                writeln!(
+                    faults,
+                    "{name}:{line}: crate::{path} is in no module of the table"
+                )
+                .expect("a string takes all");
+                continue;
+            };
+            if path[0] != *own && other >= layer {
+                let imported = &path[0];
+                writeln!(
+                    faults,
+                    "{name}:{line}: `{own}` (layer {layer}) imports `{imported}` (layer {other})"
+                )
+                .expect("a string takes all");
+            }
+        }
+    }
+    assert!(faults.is_empty(), "\n{faults}");
+}
+
+#[test]
+fn the_table_of_layers_has_every_module_once() {
+    let text = root_text();
+    let declared = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("pub mod "));
+    let declared: BTreeSet<String> = declared
+        .map(|l| l.trim_end_matches(';').to_owned())
+        .collect();
+    let layers = layers(&text);
+    assert_eq!(layers.keys().cloned().collect::<BTreeSet<_>>(), declared);
+}
+
+#[test]
+fn every_form_of_import_is_found() {
+    let text = r##"
+        //! [`crate::comment`]
+        use crate::{a::{self, B as C}, d::*};
+        pub(crate) use child::Name;
+        mod inline {
+            use super::super::e; /* use crate::comment; */
+            fn f<'a>(_: &'a crate::f::G) -> char { self::h::<u8>('"'); child::i("crate::string") }
+        }
+        const TEXT: &str = r#"crate::"raw""#;
+        type T = ::child::Outer<std::k::L>;
+    "##;
+    let module = ["m".to_owned(), "n".to_owned()];
+    let children = BTreeSet::from([[&module[..], &["child".to_owned()]].concat()]);
+    let (imports, words) = parse(text, &module, &children);
+    let found: Vec<_> = imports
+        .iter()
+        .map(|i| (i.path.join("::"), i.line))
+        .collect();
+    let expected = [
+        ("a", 3),
+        ("a::B", 3),
+        ("d::*", 3),
+        ("m::n::child::Name", 4),
+        ("m::e", 6),
+        ("f::G", 7),
+        ("m::n::inline::h", 7),
+        ("m::n::child::i", 7),
+    ];
+    assert_eq!(found, expected.map(|(path, line)| (path.to_owned(), line)));
+    let bound = |i: usize| {
+        imports[i]
+            .bound
+            .as_ref()
+            .map(|(name, is_public)| (&name[..], *is_public))
+    };
+    assert_eq!(
+        [bound(0), bound(1)],
+        [Some(("a", false)), Some(("C", false))]
+    );
+    assert_eq!([bound(3), bound(5)], [Some(("Name", true)), None]);
+    assert!(words.contains("TEXT") && !words.contains("Name"));
+}
+
+#[test]
+fn circles_are_found_through_names_that_a_parent_hands_on() {
+    let file = |module: &str, text: &str, children: &[&str]| {
+        let module: ModulePath = module.split("::").map(str::to_owned).collect();
+        let children = children
+            .iter()
+            .map(|c| [&module[..], &[(*c).to_owned()]].concat());
+        let (imports, words) = parse(text, &module, &children.collect());
+        let name = module.join("/");
+        (
+            module,
+            SourceFile {
+                name,
+                imports,
+                words,
+            },
+        )
+    };
+    let parent = file(
+        "m",
+        "mod a; mod b; pub use a::A; pub use b::B; pub struct M;",
+        &["a", "b"],
+    );
+    let a = file("m::a", "use super::{B, M}; pub struct A;", &[]);
+    let straight = file("m::b", "use super::M; pub struct B;", &[]);
+    let back = file("m::b", "use super::A; pub struct B;", &[]);
+    let files = |b| Crate::from([parent.clone(), a.clone(), b]);
+    assert_eq!(circles(&files(straight)), "");
+    let found = circles(&files(back));
+    assert_eq!(found, "circle:\n  m/a:1 -> m/b\n  m/b:1 -> m/a\n");
+}
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn root_text() -> String {
+    fs::read_to_string(root().join("src/lib.rs")).expect("a crate has a root")
+}
+
+/// The layer of every module in the table of the crate's documentation.
+fn layers(text: &str) -> BTreeMap<String, u32> {
+    let mut layers = BTreeMap::new();
+    for row in text.lines().filter_map(|line| line.strip_prefix("//! | ")) {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let Ok(layer) = cells[0].parse() else {
+            continue;
+        };
+        for module in cells[1].split(", ") {
+            let module = module.trim_start_matches("[`").trim_end_matches("`]");
+            let earlier = layers.insert(module.to_owned(), layer);
+            assert_eq!(earlier, None, "`{module}` stands twice in the table");
+        }
+    }
+    layers
+}
+
+/// Reads all files under `src/` but the program's.
+fn read_crate() -> Crate {
+    let mut texts = BTreeMap::new();
+    let mut folders = vec![root().join("src")];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let name = path
+                    .strip_prefix(root())
+                    .expect("under the root")
+                    .display()
+                    .to_string();
+                let module = name["src/".len()..]
+                    .trim_end_matches(".rs")
+                    .split('/')
+                    .map(str::to_owned);
+                let mut module: ModulePath = module.collect();
+                module.pop_if(|last| matches!(&last[..], "mod" | "lib"));
+                texts.insert(module, (name, fs::read_to_string(&path).expect("text")));
+            }
+        }
+    }
+    texts.remove(&["main".to_owned()][..]);
+    let modules: BTreeSet<ModulePath> = texts.keys().cloned().collect();
+    let files = texts.into_iter().map(|(module, (name, text))| {
+        let (imports, words) = parse(&text, &module, &modules);
+        (
+            module,
+            SourceFile {
+                name,
+                imports,
+                words,
+            },
+        )
+    });
+    files.collect()
+}
+
+/// The imports of the file of `module`, and the words outside its `use` declarations. `modules` are those with
+/// files of their own.
+fn parse(
+    text: &str,
+    module: &[String],
+    modules: &BTreeSet<ModulePath>,
+) -> (Vec<Import>, BTreeSet<String>) {
+    let tokens = tokens(text);
+    let at = |i: usize| tokens.get(i).map_or("", |(text, _)| &text[..]);
+    let mut imports = Vec::new();
+    let mut words = BTreeSet::new();
+    // For every bracket that is open: the module that it holds, if any.
+    let mut open: Vec<Option<String>> = Vec::new();
+    let mut i = 0;
+    while i < tokens.len() {
+        let inline: ModulePath = open.iter().flatten().cloned().collect();
+        let line = tokens[i].1;
+        let mut import = |path: &[String], bound: Option<(String, bool)>| {
+            let path = absolute(path, module, &inline, modules).filter(|path| !path.is_empty());
+            imports.extend(path.map(|path| Import { path, line, bound }));
+        };
+        match at(i) {
+            "{" => open.push((at(i.wrapping_sub(2)) == "mod").then(|| at(i - 1).to_owned())),
+            "}" => drop(open.pop()),
+            "use" if at(i + 1) != "<" => {
+                let is_public = at(i.wrapping_sub(1)) == "pub" || at(i.wrapping_sub(1)) == ")";
+                let mut leaves = Vec::new();
+                let end = use_tree(&tokens, i + 1, &[], &mut leaves);
+                for (path, name) in leaves {
+                    import(&path, inline.is_empty().then_some((name, is_public)));
+                }
+                i = end;
+                continue;
+            }
+            word if is_word(word) => {
+                words.insert(word.to_owned());
+                let mut path = vec![word.to_owned()];
+                let starts = !matches!(at(i.wrapping_sub(1)), "::" | ".");
+                while starts && at(i + 1) == "::" && is_word(at(i + 2)) {
+                    i += 2;
+                    words.insert(at(i).to_owned());
+                    path.push(at(i).to_owned());
+                }
+                if path.len() > 1 {
+                    import(&path, None);
+                }
+            }
+            _ => {}
+        }
+        i += 1;
+    }
+    (imports, words)
+}
+
+/// The leaves of a `use` tree from token `i` on, each with the name it is bound to; returns where it ends.
+fn use_tree(
+    tokens: &[Token],
+    mut i: usize,
+    before: &[String],
+    leaves: &mut Vec<(ModulePath, String)>,
+) -> usize {
+    let mut path = before.to_vec();
+    while let Some((text, _)) = tokens.get(i) {
+        match &text[..] {
+            "{" => {
+                i += 1;
+                while tokens[i].0 != "}" {
+                    let end = use_tree(tokens, i, &path, leaves);
+                    assert!(end > i, "{:?} in a `use` declaration", tokens[i]);
+                    i = end + usize::from(tokens[end].0 == ",");
+                }
+                return i + 1;
+            }
+            "::" if path.is_empty() => path.push("::".to_owned()),
+            "::" => {}
+            "as" => {
+                leaves.push((path, tokens[i + 1].0.clone()));
+                return i + 2;
+            }
+            "self" if !before.is_empty() => {}
+            word if is_word(word) || word == "*" => path.push(word.to_owned()),
+            _ => break,
+        }
+        i += 1;
+    }
+    let name = path.last().cloned().unwrap_or_default();
+    leaves.push((path, name));
+    i
+}
+
+/// The path from the crate's root of what stands as `path` in the module `inline` of the file of `module`; none
+/// if it is another crate's, or a name that came through an import.
+fn absolute(
+    path: &[String],
+    module: &[String],
+    inline: &[String],
+    modules: &BTreeSet<ModulePath>,
+) -> Option<ModulePath> {
+    let here = [module, inline].concat();
+    match &path[0][..] {
+        "crate" => Some(path[1..].to_vec()),
+        "self" => Some([&here, &path[1..]].concat()),
+        "super" => {
+            let ups = path
+                .iter()
+                .take_while(|segment| *segment == "super")
+                .count();
+            Some([&here[..here.len().checked_sub(ups)?], &path[ups..]].concat())
+        }
+        _ => {
+            // A child of the file's module, which tests within the file see as well.
+            let child = [module, &path[..1]].concat();
+            (!module.is_empty() && modules.contains(&child)).then(|| [module, path].concat())
+        }
+    }
+}
+
+fn is_word(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '$'))
+}
+
+/// Splits Rust's text; comments, strings, characters and lifetimes are left out.
+fn tokens(text: &str) -> Vec<Token> {
+    let mut tokens: Vec<Token> = Vec::new();
+    let mut rest = text;
+    let mut line = 1;
+    while let Some(first) = rest.chars().next() {
+        let word = rest
+            .find(|c: char| !c.is_alphanumeric() && c != '_')
+            .unwrap_or(rest.len());
+        let hashes = rest[word..].len() - rest[word..].trim_start_matches('#').len();
+        let is_raw =
+            matches!(&rest[..word], "r" | "br" | "cr") && rest[word + hashes..].starts_with('"');
+        let length = if rest.starts_with("//") {
+            rest.find('\n').unwrap_or(rest.len())
+        } else if rest.starts_with("/*") {
+            rest.find("*/").map_or(rest.len(), |end| end + 2)
+        } else if is_raw {
+            let start = word + hashes + 1;
+            let end = format!("\"{}", "#".repeat(hashes));
+            start + rest[start..].find(&end).expect("a raw string ends") + end.len()
+        } else if let Some(literal) = literal(rest) {
+            literal
+        } else if let Some(lifetime) = rest.strip_prefix('\'') {
+            1 + lifetime
+                .find(|c: char| !c.is_alphanumeric() && c != '_')
+                .unwrap_or(0)
+        } else {
+            // In macros: `$name`, and `$crate`.
+            let variable = rest
+                .get(1..)
+                .and_then(|rest| rest.find(|c: char| !c.is_alphanumeric() && c != '_'));
+            let length = match word {
+                0 if rest.starts_with("::") => 2,
+                0 if first == '$' => 1 + variable.unwrap_or(0),
+                0 => first.len_utf8(),
+                word => word,
+            };
+            if !first.is_whitespace() {
+                let token = rest[..length].to_owned();
+                tokens.push((token.replace("$crate", "crate"), line));
+            }
+            length
+        };
+        line += rest[..length].matches('\n').count();
+        rest = &rest[length..];
+    }
+    tokens
+}
+
+/// The length of the string or character that `text` begins with.
+fn literal(text: &str) -> Option<usize> {
+    let quote = text.chars().next().filter(|c| matches!(c, '"' | '\''))?;
+    let mut after = text[1..].chars();
+    // `'a` is a lifetime if no quote follows its first letter.
+    if quote == '\'' && after.next() != Some('\\') && after.next() != Some('\'') {
+        return None;
+    }
+    let mut is_escaped = false;
+    let end = text[1..].find(|c: char| {
+        let ends = c == quote && !is_escaped;
+        is_escaped = c == '\\' && !is_escaped;
+        ends
+    });
+    end.map(|end| end + 2)
+}
+
+/// The files that import each other in circles, with the lines that do.
+fn circles(files: &Crate) -> String {
+    let edges: BTreeMap<&ModulePath, BTreeMap<&ModulePath, usize>> = files
+        .keys()
+        .map(|module| (module, edges(files, module)))
+        .collect();
+    let reached = |from: &ModulePath| {
+        let mut reached = BTreeSet::new();
+        let mut next: Vec<_> = edges[from].keys().copied().collect();
+        while let Some(module) = next.pop() {
+            if reached.insert(module) {
+                next.extend(edges[module].keys());
+            }
+        }
+        reached
+    };
+    let reached: BTreeMap<_, _> = files
+        .keys()
+        .map(|module| (module, reached(module)))
+        .collect();
+    let mut told = BTreeSet::new();
+    let mut text = String::new();
+    for module in files
+        .keys()
+        .filter(|&module| reached[module].contains(module))
+    {
+        let is_in = |other: &&ModulePath| {
+            reached[module].contains(other) && reached[*other].contains(module)
+        };
+        if told.contains(module) {
+            continue;
+        }
+        text.push_str("circle:\n");
+        for member in files.keys().filter(is_in) {
+            told.insert(member);
+            for (to, line) in edges[member].iter().filter(|(to, _)| is_in(to)) {
+                let (from, to) = (&files[member].name, &files[*to].name);
+                writeln!(text, "  {from}:{line} -> {to}").expect("a string takes all");
+            }
+        }
+    }
+    text
+}
+
+/// The files whose contents the file of `module` needs, each with the first line that says so. Names that a
+/// parent only hands on from its children are no need of its own.
+fn edges<'a>(files: &'a Crate, module: &ModulePath) -> BTreeMap<&'a ModulePath, usize> {
+    let file = &files[module];
+    let mut edges = BTreeMap::new();
+    for Import { path, line, bound } in &file.imports {
+        let hands_on = bound
+            .as_ref()
+            .is_some_and(|(name, is_public)| *is_public && !file.words.contains(name));
+        if hands_on && path.starts_with(module) {
+            continue;
+        }
+        let mut found = BTreeSet::new();
+        origins(files, path, 0, &mut found);
+        found.remove(module);
+        for other in found {
+            edges.entry(other).or_insert(*line);
+        }
+    }
+    edges
+}
+
+/// The files that hold what `path` names, followed through the `use` declarations of its modules.
+fn origins<'a>(
+    files: &'a Crate,
+    path: &[String],
+    depth: usize,
+    found: &mut BTreeSet<&'a ModulePath>,
+) {
+    let longest = (0..=path.len())
+        .rev()
+        .find_map(|n| files.get_key_value(&path[..n]));
+    let (module, file) = longest.expect("the root is a file");
+    let (name, rest) = match &path[module.len()..] {
+        [] => ("", &[][..]),
+        [name, rest @ ..] => (&name[..], rest),
+    };
+    let mut is_handed_on = false;
+    for import in file.imports.iter().filter(|_| depth < 8) {
+        if import
+            .bound
+            .as_ref()
+            .is_some_and(|(bound, is_public)| bound == name || (name == "*" && *is_public))
+        {
+            is_handed_on = true;
+            origins(files, &[&import.path[..], rest].concat(), depth + 1, found);
+        }
+    }
+    if !is_handed_on || name == "*" {
+        found.insert(module);
+    }
+}

@@ -42,7 +42,9 @@ impl CachedIrradiance<'_> {
         let primary = &self.cache.primary[wavefront.bounces_left as usize - 1];
         let mut indirect = vec![Vec3::ZERO; count];
         let mut missed = Vec::new();
-        for (index, light) in indices.into_iter().zip(primary.mean_radiance(&points)) {
+        let kernel = self.final_gather.scene().kernel();
+        let found = primary.mean_radiance(&points, kernel);
+        for (index, light) in indices.into_iter().zip(found) {
             match light {
                 Some(light) => indirect[index] = light,
                 None => missed.push(index),

@@ -4,12 +4,12 @@ use super::for_each_feature_set;
 use super::light_sampler::LightSampler;
 use super::path_state::{PathState, Technique};
 use super::path_tracer::PathTracer;
-use crate::accel::{Point, Traversal};
+use crate::accel::Traversal;
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::{FeatureSet, Features, Reflectance};
 use crate::math::Ray;
 use crate::sampling::Sequence;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Scene, Surface, SurfacePoint};
 use glam::Vec3;
 use std::marker::PhantomData;
 
@@ -17,7 +17,7 @@ use std::marker::PhantomData;
 #[derive(Clone, Copy, Debug)]
 pub struct GatherPoint {
     /// The point.
-    pub point: Point,
+    pub point: SurfacePoint,
     /// The random numbers.
     pub sequence: Sequence,
     /// Sample index within `sequence`: points with the same sequence have different indices.

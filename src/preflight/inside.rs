@@ -72,7 +72,7 @@ fn cast(scene: &Scene, rays: &[Ray]) -> Vec<ProbeHit> {
     /// Relative to the distance: more than its rounding.
     const BEHIND: f64 = 1.0 + 1e-4;
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_wave(rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(rays, &mut hits, &mut Traversal::default());
     let probe_hit = |(ray, hit): (&Ray, Option<Hit>)| {
         let hit = hit?;
         Some(ProbeHit {

@@ -291,6 +291,6 @@ impl Candidate {
 /// The hits of coherent rays.
 fn hits(scene: &Scene, rays: &[Ray]) -> Vec<Option<Hit>> {
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_packet(rays, &mut hits, &mut Traversal::default());
+    scene.closest_coherent(rays, &mut hits, &mut Traversal::default());
     hits
 }

@@ -2,10 +2,11 @@
 //! of its materials.
 
 use super::{Scene, Triangle};
-use crate::accel::{Bvh, Kernel};
+use crate::accel::Bvh;
 use crate::geometry::{Mesh, Sphere};
 use crate::light::PointLight;
 use crate::material::{FeatureSet, Material};
+use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 
@@ -60,7 +61,7 @@ impl SceneBuilder {
         let origin = self.origin();
         let relative = |p: DVec3| (p - origin).as_vec3();
         let mut dropped = 0;
-        let mut corner_positions = Vec::new();
+        let mut triangle_vertices = Vec::new();
         let mut triangles = Vec::new();
         let mut meshes = Vec::new();
         let mut mesh_materials = Vec::new();
@@ -70,14 +71,14 @@ impl SceneBuilder {
                 normals: source.normals,
                 uvs: source.uvs,
             };
-            for corners in source.triangles {
-                let Some(normal) = mesh.geometric_normal(corners) else {
+            for vertices in source.triangles {
+                let Some(normal) = mesh.geometric_normal(vertices) else {
                     dropped += 1;
                     continue;
                 };
-                corner_positions.push(mesh.triangle(corners));
+                triangle_vertices.push(mesh.triangle(vertices));
                 triangles.push(Triangle {
-                    corners,
+                    vertices,
                     mesh: meshes.len() as u32,
                     normal,
                 });
@@ -111,7 +112,7 @@ impl SceneBuilder {
         }
         let used = used.into_iter().map(|id| &self.materials[id]);
         let features = FeatureSet::of(used, mixes);
-        let bvh = Bvh::new(&corner_positions, spheres.clone(), self.kernel);
+        let bvh = Bvh::new(&triangle_vertices, spheres.clone(), self.kernel);
         let bounds = bvh.bounds();
         let scene = Scene {
             origin,
@@ -135,10 +136,10 @@ impl SceneBuilder {
     /// The median of all vertices and of the ends of spheres, axis by axis: a robust centre, so that single precision is
     /// finest where most of the scene is, whatever lies far away.
     fn origin(&self) -> DVec3 {
-        let corners = self.meshes.iter().flat_map(|m| m.positions.iter().copied());
+        let vertices = self.meshes.iter().flat_map(|m| m.positions.iter().copied());
         let spheres = self.spheres.iter().map(|(sphere, _)| sphere);
         let ends = spheres.flat_map(|s| [s.center - s.radius, s.center + s.radius]);
-        let points: Vec<DVec3> = corners.chain(ends).collect();
+        let points: Vec<DVec3> = vertices.chain(ends).collect();
         DVec3::from_array([0, 1, 2].map(|axis| median(points.iter().map(|p| p[axis]))))
     }
 }

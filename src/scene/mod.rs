@@ -22,16 +22,21 @@
 //! Knows nothing of files, cameras or integrators.
 
 mod builder;
+mod shadow_packet;
 mod surface;
+mod surface_point;
 
 pub use builder::{MeshMaterial, SceneBuilder, SourceMesh};
+pub use shadow_packet::ShadowPacket;
 pub use surface::Surface;
+pub use surface_point::{SurfacePoint, SurfacePointPacket};
 
-use crate::accel::{Bvh, Points, Sight, Traversal};
-use crate::geometry::{Corners, Hit, Mesh, Sphere};
+use crate::accel::{Bvh, Traversal};
+use crate::geometry::{Hit, Mesh, Sphere, VertexIndices};
 use crate::light::PointLight;
 use crate::material::{FeatureSet, Material};
 use crate::math::{Aabb, Ray};
+use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec3};
 
@@ -63,7 +68,7 @@ pub struct Scene {
 /// The shading data of a triangle.
 #[derive(Clone, Copy, Debug)]
 struct Triangle {
-    corners: Corners,
+    vertices: VertexIndices,
     /// The index of its mesh.
     mesh: u32,
     /// Unit normal of its winding.
@@ -71,50 +76,60 @@ struct Triangle {
 }
 
 impl Scene {
-    /// The nearest hit of a ray, or none.
+    /// The closest hit of a ray, or none.
     pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Option<Hit> {
         self.bvh.closest(ray, traversal)
     }
 
-    /// The nearest hit, or none, of each of some coherent rays.
-    pub fn closest_of_packet(
+    /// The closest hit of each ray, or none; fast for coherent rays.
+    pub fn closest_coherent(
         &self,
         rays: &[Ray],
         hits: &mut [Option<Hit>],
         traversal: &mut Traversal,
     ) {
-        self.bvh.closest_of_packet(rays, hits, traversal);
+        self.bvh.closest_coherent(rays, hits, traversal);
     }
 
-    /// How points see a target if nothing is in the way.
-    pub fn look(&self, points: &Points, target: Vec3) -> Sight {
-        self.bvh.look(points, target)
-    }
-
-    /// A bit for each ray of a sight that is occluded, for coherent rays.
-    pub fn occluded_of_sight(&self, sight: &Sight, traversal: &mut Traversal) -> u32 {
-        self.bvh.occluded_of_sight(sight, traversal)
-    }
-
-    /// As [`Scene::closest_of_packet`], for any number of incoherent rays.
-    pub fn closest_of_wave(
+    /// As [`Scene::closest_coherent`], for any number of incoherent rays.
+    pub fn closest_incoherent(
         &self,
         rays: &[Ray],
         hits: &mut [Option<Hit>],
         traversal: &mut Traversal,
     ) {
-        self.bvh.closest_of_wave(rays, hits, traversal);
+        self.bvh.closest_incoherent(rays, hits, traversal);
     }
 
-    /// As [`Scene::occluded_of_sight`], of sights all over the scene, one after the other.
-    pub fn occluded_of_sights(&self, sights: &[Sight], traversal: &mut Traversal) -> Vec<u32> {
-        self.bvh.occluded_of_sights(sights, traversal)
+    /// The shadow rays from points to a target, not yet traced.
+    pub fn shadow_rays_to(&self, points: &SurfacePointPacket, target: Vec3) -> ShadowPacket {
+        points.shadow_rays_to(target, self.kernel())
     }
 
-    /// The distance from a point in world coordinates to the nearest surface, or none if it is not below
+    /// The mask of the rays of a packet that are occluded; fast for coherent rays.
+    pub fn occluded_coherent(&self, packet: &ShadowPacket, traversal: &mut Traversal) -> u32 {
+        self.bvh.occluded_coherent(&packet.rays, traversal)
+    }
+
+    /// As [`Scene::occluded_coherent`], for packets of incoherent rays.
+    pub fn occluded_incoherent(
+        &self,
+        packets: &[ShadowPacket],
+        traversal: &mut Traversal,
+    ) -> Vec<u32> {
+        let packets = packets.iter().map(|packet| &packet.rays);
+        self.bvh.occluded_incoherent(packets, traversal)
+    }
+
+    /// The distance from a point in world coordinates to the closest surface, or none if it is not below
     /// `within`; in metres.
-    pub fn distance(&self, point: DVec3, within: f64) -> Option<f64> {
-        self.bvh.distance(point - self.origin, within)
+    pub fn closest_point_distance(&self, point: DVec3, within: f64) -> Option<f64> {
+        self.bvh.closest_point_distance(point - self.origin, within)
+    }
+
+    /// The instruction set of ray queries and irradiance lookups.
+    pub fn kernel(&self) -> Kernel {
+        self.bvh.kernel()
     }
 
     /// The features of its used materials.

@@ -145,7 +145,7 @@ fn cast_rays(scene: &Scene, points: &[Vec3]) -> [Vec<Option<SurfaceHit>>; 6] {
             .map(|&point| Ray::new(point, direction))
             .collect();
         let mut hits = vec![None; rays.len()];
-        scene.closest_of_packet(&rays, &mut hits, &mut traversal);
+        scene.closest_coherent(&rays, &mut hits, &mut traversal);
         let met = rays.iter().zip(hits).map(|(ray, hit)| {
             let hit = hit?;
             let normal = scene.normal(ray, &hit);
@@ -226,7 +226,9 @@ mod tests {
         let (positions, mut triangles) =
             cuboid(DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 2.0));
         if !is_inside_out {
-            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+            triangles
+                .iter_mut()
+                .for_each(|vertices| vertices.swap(1, 2));
         }
         let mesh = SourceMesh {
             positions,

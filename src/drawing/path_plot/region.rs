@@ -142,7 +142,7 @@ fn view_hits(scene: &Scene, motion: &Motion) -> Vec<(DVec3, f64)> {
         .map(ray)
         .collect();
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_wave(&rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(&rays, &mut hits, &mut Traversal::default());
     let pairs = rays.iter().zip(hits);
     let points =
         pairs.filter_map(|(ray, hit)| hit.map(|hit| (scene.origin + ray.at(hit.t), hit.t)));

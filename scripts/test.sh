@@ -58,8 +58,10 @@ step Format
 cargo fmt --check
 cargo fmt --check --manifest-path tests/fuzz/Cargo.toml
 step Lints
-shellcheck .ci/run scripts/*.sh tests/farm/*.sh
+shellcheck .ci/{run,tool,dependencies,minimum_rust} scripts/*.sh tests/farm/*.sh
 cargo clippy --quiet --all-targets -- -D warnings
+step "Dependencies: licences, sources, advisories, notices"
+.ci/dependencies
 step Documentation
 RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps --document-private-items
 step "Tests, built"
@@ -94,6 +96,8 @@ tests/farm/slurm.sh "$out/local"
 step "A farm: Open Job Description"
 PATH=$PWD/$openjd/bin:$PATH tests/farm/openjd.sh "$out/local"
 if [ "$tier" = thorough ]; then
+    step "The minimum version of Rust"
+    .ci/minimum_rust
     step "Fuzzing"
     scripts/fuzz.sh "${FUZZ_SECONDS:-300}"
 fi

@@ -1,6 +1,6 @@
 //! Which features of materials a scene uses, known at compile time to the code that shades it.
 
-use super::Material;
+use super::reflectance::Material;
 use glam::Vec3;
 
 /// The features that the surfaces of a scene use. Code that is generic over it is compiled for each set: what a

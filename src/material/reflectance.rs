@@ -1,6 +1,6 @@
 //! Materials as the scene defines them, and their reflectance at a point.
 
-use super::features::Features;
+use super::features::{FeatureSet, Features};
 use crate::texture::Texture;
 use glam::{Vec2, Vec3};
 
@@ -29,6 +29,20 @@ impl Material {
             shininess: 0.0,
             reflective: Vec3::ZERO,
         }
+    }
+
+    /// The features of materials; `mixes` says whether a triangle mixes some of them.
+    pub fn features<'a>(
+        materials: impl IntoIterator<Item = &'a Material>,
+        mixes: bool,
+    ) -> FeatureSet {
+        let [mut textures, mut highlights, mut mirrors] = [false; 3];
+        for material in materials {
+            textures |= material.texture.is_some();
+            highlights |= material.specular != Vec3::ZERO;
+            mirrors |= material.reflective != Vec3::ZERO;
+        }
+        FeatureSet::new(textures, highlights, mirrors, mixes)
     }
 
     /// The material at texture coordinate `uv`.

@@ -5,7 +5,7 @@ use super::{Scene, Triangle};
 use crate::accel::Bvh;
 use crate::geometry::{Mesh, Sphere};
 use crate::light::PointLight;
-use crate::material::{FeatureSet, Material};
+use crate::material::Material;
 use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
@@ -111,7 +111,7 @@ impl SceneBuilder {
             }
         }
         let used = used.into_iter().map(|id| &self.materials[id]);
-        let features = FeatureSet::of(used, mixes);
+        let features = Material::features(used, mixes);
         let bvh = Bvh::new(&triangle_vertices, spheres.clone(), self.kernel);
         let bounds = bvh.bounds();
         let scene = Scene {

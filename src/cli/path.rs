@@ -1,3 +1,5 @@
+//! `flythrough path`: plots, imports and exports camera paths.
+
 use super::path_args::{PathArguments, PathCommand};
 use super::{Failure, Status, path_export, path_import, path_plot};
 

@@ -1,4 +1,4 @@
-//! `flythrough path export`: the cameras of a path for another program.
+//! `flythrough path export`: the cameras of all frames for another program.
 
 use super::path_args::ExportArguments;
 use super::{Failure, Status, keep, written};

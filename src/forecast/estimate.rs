@@ -1,7 +1,7 @@
 //! What a sequence is expected to take, from a pilot.
 
 use super::pilot::{Pilot, PilotFrame, Workload};
-use crate::metrics::{mean, student};
+use crate::metrics::{mean, student_t};
 use crate::render::frame_memory;
 use serde::{Deserialize, Serialize};
 
@@ -124,7 +124,7 @@ fn error_of_mean(values: &[f64], count: u32) -> f64 {
     let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
     let variance = steps.sum::<f64>() / (2.0 * f64::from(degrees));
     let unknown = 1.0 - known / f64::from(count);
-    student(degrees, 0.05) * (variance * unknown / known).sqrt() / mean(values)
+    student_t(degrees, 0.05) * (variance * unknown / known).sqrt() / mean(values)
 }
 
 #[cfg(test)]

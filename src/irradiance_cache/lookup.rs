@@ -1,4 +1,4 @@
-//! Interpolation between records at a packet of points: the modified Shepard method, in lanes.
+//! Interpolation between records at a packet of points: Shepard's method with weights of compact support, in lanes.
 
 use super::linear::LinearIrradiance;
 use super::record::{HEIGHT, IrradianceRecord};

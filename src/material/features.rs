@@ -1,8 +1,10 @@
+//! Which features of materials a scene uses, known at compile time to the code that shades it.
+
 use super::Material;
 use glam::Vec3;
 
-/// What the surfaces of a scene need. Code that is generic over it is compiled for each set: what a
-/// scene does not need costs it no branch and no fetch.
+/// The features that the surfaces of a scene use. Code that is generic over it is compiled for each set: what a
+/// scene does not use costs it no branch and no fetch.
 pub trait Features {
     /// Some material has a texture.
     const TEXTURES: bool;
@@ -29,7 +31,7 @@ impl<const NUMBER: usize> Features for Only<NUMBER> {
 const _: () = assert!(Only::<1>::TEXTURES && Only::<2>::HIGHLIGHTS && !Only::<13>::HIGHLIGHTS);
 const _: () = assert!(Only::<4>::MIRRORS && Only::<8>::MIXTURES && !Only::<11>::MIRRORS);
 
-/// The features that a scene needs.
+/// The features that a scene uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeatureSet(usize);
 
@@ -37,7 +39,7 @@ impl FeatureSet {
     /// How many sets there are.
     pub const COUNT: usize = 16;
 
-    /// What materials need; `mixes` says whether a triangle mixes some.
+    /// The features of materials; `mixes` says whether a triangle mixes some of them.
     pub fn of<'a>(materials: impl IntoIterator<Item = &'a Material>, mixes: bool) -> FeatureSet {
         let mut set = usize::from(mixes) << 3;
         for material in materials {

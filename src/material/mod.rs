@@ -1,8 +1,11 @@
-//! How surfaces return light: Lambert plus Phong, blended with a mirror.
+//! The reflectance model: a base layer, Lambert plus a Phong highlight (Phong 1975, "Illumination for Computer
+//! Generated Pictures"), blended with a perfect mirror.
 //!
 //! Conventions, for all functions here: directions are of unit length and point away from the
-//! surface; the shading normal is on the viewer's side; colours are linear. A Lambert surface
-//! reflects alike on both sides.
+//! surface; the shading normal is on the viewer's side; colours are linear RGB. Both sides of a surface reflect alike.
+//! The base layer's weight is 1 - `reflective`, the mirror's is `reflective`. Values of [`Reflectance::reflect_light`]
+//! include the cosine, and the 1/pi of a Lambert surface is part of the light: see
+//! [`PointLight::color_at`](crate::light::PointLight::color_at).
 
 mod features;
 
@@ -22,12 +25,12 @@ pub struct Material {
     pub specular: Vec3,
     /// Exponent of the Phong highlight, 0 or more.
     pub shininess: f32,
-    /// The share of the light that a mirror gives, 0..1; the rest is the surface's own.
+    /// Weight of the mirror, 0..1; that of the base layer is 1 less this.
     pub reflective: Vec3,
 }
 
 impl Material {
-    /// A Lambert surface and nothing else.
+    /// A Lambert surface.
     pub const fn lambert(diffuse: Vec3) -> Material {
         Material {
             diffuse,
@@ -62,7 +65,7 @@ impl Material {
     }
 }
 
-/// A material at one point, its texture read.
+/// A material at one point, with its texture applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reflectance {
     /// Diffuse reflectance, 0..1.
@@ -71,12 +74,12 @@ pub struct Reflectance {
     pub specular: Vec3,
     /// Exponent of the Phong highlight.
     pub shininess: f32,
-    /// The share of the light that a mirror gives, 0..1.
+    /// Weight of the mirror, 0..1.
     pub reflective: Vec3,
 }
 
 impl Reflectance {
-    /// The share of the light that a mirror gives.
+    /// Weight of the mirror.
     #[inline]
     pub fn mirror<F: Features>(&self) -> Vec3 {
         if F::MIRRORS {
@@ -86,20 +89,20 @@ impl Reflectance {
         }
     }
 
-    /// Whether any light of a lamp is sent back but by the mirror.
+    /// Whether the base layer reflects the light of point lights.
     #[inline]
     pub fn reflects_light<F: Features>(&self) -> bool {
         self.base_weight::<F>() != Vec3::ZERO
             && (self.diffuse != Vec3::ZERO || F::HIGHLIGHTS && self.specular != Vec3::ZERO)
     }
 
-    /// Whether it makes anything of the light that arrives from its hemisphere.
+    /// Whether the base layer reflects indirect diffuse light.
     #[inline]
     pub fn has_diffuse<F: Features>(&self) -> bool {
         self.base_weight::<F>() * self.diffuse != Vec3::ZERO
     }
 
-    /// The share of the light that is not a mirror's.
+    /// Weight of the base layer.
     #[inline]
     pub fn base_weight<F: Features>(&self) -> Vec3 {
         Vec3::ONE - self.mirror::<F>()
@@ -120,8 +123,8 @@ impl Reflectance {
         }
     }
 
-    /// The factor on a light's colour: kd cos + ks (R.V)^shininess, cos = N.L, for light arriving
-    /// from `to_light` and leaving to `to_viewer` (Phong 1975). Zero for light from behind.
+    /// The factor of the base layer on a light's colour: kd cos + ks (R.V)^shininess, cos = N.L, for light that arrives
+    /// from `to_light` and leaves to `to_viewer` (Phong 1975). Zero for light from behind.
     #[inline]
     pub fn reflect_light<F: Features>(
         &self,
@@ -144,8 +147,8 @@ impl Reflectance {
 
 /// `base`, 0 or more, to the power of `exponent`, 0 or more.
 ///
-/// Whole exponents, as most are, by repeated squaring: a third of the time of the general function, and
-/// no less accurate than the rounding of `base` allows.
+/// Whole exponents, as most are, by repeated squaring: in a third of the time of the general function, with an error
+/// below that of rounding `base`.
 #[inline]
 fn power(base: f32, exponent: f32) -> f32 {
     const LARGE: f32 = 1024.0;
@@ -163,7 +166,7 @@ fn power(base: f32, exponent: f32) -> f32 {
     product
 }
 
-/// `direction` mirrored at a surface with unit `normal`; both it and the result point away.
+/// The mirror reflection of `direction` at a surface with unit `normal`; both directions point away.
 #[inline]
 pub fn mirror(direction: Vec3, normal: Vec3) -> Vec3 {
     normal * (2.0 * normal.dot(direction)) - direction

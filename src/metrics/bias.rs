@@ -1,44 +1,45 @@
-use super::pixel::{channel_mean, middle};
-use super::{DARK, Estimate, mean, student};
+//! Bias of a technique, from independent pictures of it and independent estimates by an unbiased oracle.
+
+use super::pixel::{channel_mean, mean_of_halves};
+use super::{Estimate, RADIANCE_FLOOR, mean, student_t};
 use glam::{DVec3, Vec3};
 
-/// How likely chance alone puts an estimate of a [`BiasCheck`] so far from 0, to either side, that it is no
-/// longer believed: 3.29 standard errors with many pixels, more with few. There are two estimates.
-const FALSE_ALARM: f64 = 0.001;
+/// The significance level, two-sided, of each of the two estimates of a [`BiasCheck`]: 3.29 standard errors with many pixels,
+/// more with few.
+const SIGNIFICANCE: f64 = 0.001;
 
-/// Means of single precision numbers that are off by less, as a part of their value, are rounded.
+/// The relative rounding error of means of single precision numbers: what is less is no bias.
 const ROUNDING: f64 = 1e-6;
 
-/// What a technique and an unbiased oracle made of one pixel, as linear light: four independent values.
+/// The radiance of one pixel by a technique and by an unbiased oracle: four independent values.
 ///
-/// The technique's two share no seed, and where it keeps something from pixel to pixel, such as a light
-/// cache, nothing of that.
+/// The technique's two share no seed. What they share, such as an irradiance cache, counts as bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeldOutPixel {
-    /// What is checked, twice.
+    /// By the technique that is checked.
     pub technique: [Vec3; 2],
-    /// What is right in the mean, twice.
+    /// By an unbiased estimator.
     pub oracle: [Vec3; 2],
 }
 
-/// Whether the mean of a technique's pictures is the true image, in units of display white.
+/// The bias of a technique: how far the mean of its pictures is from the true image, in units of display white.
 ///
-/// Standard errors are over pixels, which should be so far apart that they share no noise.
+/// Standard errors are those over pixels, which should be so far apart that their noise is independent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BiasCheck {
-    /// The mean over pixels and channels of (mean(c) - I)^2 / (r^2 + 0.01), c being the technique's values
-    /// and I the true ones: what stays of relMSE however many pictures are averaged. Negative by chance.
+    /// The mean over pixels and channels of (mean(c) - I)^2 / (r^2 + 0.01), where c are the technique's values and I the
+    /// true ones: the part of relMSE that averaging pictures does not remove. Noise may make the estimate negative.
     ///
-    /// Worked out as (c1 - A)(c2 - B): the noise of each factor knows nothing of the other.
+    /// It is estimated by (c1 - A)(c2 - B), the noise of whose factors is independent.
     pub squared_bias: Estimate,
-    /// mean(c) / mean(r) - 1: above 0 if the technique is too bright. NaN if the oracle is black.
+    /// mean(c) / mean(r) - 1: above 0 if the technique is too bright; NaN if the oracle is black.
     pub mean_bias: Estimate,
-    /// How many pixels there are.
+    /// How many pixels were compared.
     pub pixels: usize,
 }
 
 impl BiasCheck {
-    /// Of held-out pixels, at an exposure in stops.
+    /// The bias at some pixels, at an exposure in stops.
     pub fn of(pixels: &[HeldOutPixel], exposure: f32) -> BiasCheck {
         let scale = f64::from(libm::exp2f(exposure));
         let pixels: Vec<Values> = pixels
@@ -51,8 +52,9 @@ impl BiasCheck {
                 .map(|pixel| channel_mean(value(pixel)))
                 .collect()
         };
-        let difference = over_pixels(&|pixel| middle(pixel.technique) - middle(pixel.oracle));
-        let oracle = over_pixels(&|pixel| middle(pixel.oracle));
+        let difference =
+            over_pixels(&|pixel| mean_of_halves(pixel.technique) - mean_of_halves(pixel.oracle));
+        let oracle = over_pixels(&|pixel| mean_of_halves(pixel.oracle));
         BiasCheck {
             squared_bias: Estimate::of(&over_pixels(&Values::squared_bias)),
             mean_bias: Estimate::of(&difference) / mean(&oracle),
@@ -60,18 +62,17 @@ impl BiasCheck {
         }
     }
 
-    /// Whether the squared bias, or the mean bias to either side, is larger than chance explains. Never of
-    /// fewer than two pixels.
+    /// Whether the squared bias, or the mean bias to either side, is significant. Never with fewer than two pixels.
     ///
-    /// A technique without bias is accused once in 500 checks or less if the noise of pixels is symmetric.
-    /// Many dim pixels and a few bright ones spoil the mean bias: with log-normal noise of sigma 1.5 it is
-    /// once in 60 checks of 100 pixels, in 230 of 1000 and in 400 of 3000.
+    /// False positives are one in 500 checks or fewer if the noise of pixels is symmetric. Many dark pixels and a few bright
+    /// ones skew the mean bias: with log-normal noise of sigma 1.5 it is one in 60 checks of 100 pixels, in 230 of 1000
+    /// and in 400 of 3000.
     pub fn is_biased(&self) -> bool {
         if self.pixels < 2 {
             return false;
         }
         let degrees = u32::try_from(self.pixels - 1).unwrap_or(u32::MAX);
-        let limit = student(degrees, FALSE_ALARM);
+        let limit = student_t(degrees, SIGNIFICANCE);
         let exceeds = |estimate: Estimate, value: f64, rounding: f64| {
             value > (limit * estimate.error).max(rounding)
         };
@@ -83,7 +84,7 @@ impl BiasCheck {
     }
 }
 
-/// A held-out pixel in units of display white.
+/// A pixel in units of display white.
 #[derive(Debug)]
 struct Values {
     technique: [DVec3; 2],
@@ -99,31 +100,30 @@ impl Values {
         }
     }
 
-    /// (c1 - A)(c2 - B) divided by r^2 + 0.01, r being half way from c1 to A, or from c2 to B: the mean of
-    /// both.
+    /// (c1 - A)(c2 - B) / (r^2 + 0.01), where r is the mean of c1 and A, or of c2 and B: the mean of both quotients.
     ///
-    /// Were r the mean of A and B, the divisor would depend on both factors, and their noise would pass for a
-    /// bias. So it knows nothing of one of them, whose mean is 0 without a bias, however noisy all are.
+    /// Were r the mean of A and B, the divisor would depend on both factors, and their noise would pass for bias. As it is,
+    /// one factor is independent of it, whose expectation is 0 without bias, however large the noise.
     fn squared_bias(&self) -> DVec3 {
         let [(c1, a), (c2, b)] = [0, 1].map(|i| (self.technique[i], self.oracle[i]));
-        let inverse = |c: DVec3, r: DVec3| divisor(middle([c, r])).recip();
-        (c1 - a) * (c2 - b) * middle([inverse(c1, a), inverse(c2, b)])
+        let inverse = |c: DVec3, r: DVec3| divisor(mean_of_halves([c, r])).recip();
+        (c1 - a) * (c2 - b) * mean_of_halves([inverse(c1, a), inverse(c2, b)])
     }
 }
 
-/// What squared errors of a pixel of light r are divided by: held-out pixels know none around them.
+/// What squared errors of a pixel of radiance r are divided by: single pixels have no local mean.
 fn divisor(r: DVec3) -> DVec3 {
-    r * r + f64::from(DARK).powi(2)
+    r * r + f64::from(RADIANCE_FLOOR).powi(2)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::pixel::square;
+    use super::super::pixel::squared_error;
     use super::super::synthetic::Noise;
     use super::*;
 
-    /// Pixels from black to white of which the technique makes something else, with noise of standard
-    /// deviations `of_technique` and `of_oracle`.
+    /// Pixels from black to white, which a technique changes, with noise of standard deviations `of_technique` and
+    /// `of_oracle`.
     fn held_out(
         noise: &mut Noise,
         count: usize,
@@ -146,9 +146,9 @@ mod tests {
         biased.count()
     }
 
-    /// Chance alone: 0.3 in 200 are expected, and more than 3 come once in thousands of times.
+    /// Of 200 checks without bias 0.3 false positives are expected; more than 3 come once in thousands of times.
     #[test]
-    fn what_is_right_in_the_mean_is_not_accused() {
+    fn unbiased_techniques_pass() {
         for sigmas in [[0.05, 0.02], [0.02, 0.1], [0.2, 0.2], [0.0, 0.1]] {
             let mut noise = Noise::new(6);
             let alarms = alarms(200, || held_out(&mut noise, 150, sigmas, |_, truth| truth));
@@ -156,7 +156,7 @@ mod tests {
         }
     }
 
-    /// Were it divided by the mean of A and B, the noise of this oracle would look like a bias.
+    /// Divided by the mean of A and B, the noise of this oracle would pass for bias.
     #[test]
     fn a_noisy_oracle_is_no_bias() {
         let mut noise = Noise::new(7);
@@ -168,8 +168,8 @@ mod tests {
         let check = BiasCheck::of(&pixels, 0.0);
         let products = pixels.iter().map(|pixel| {
             let values = Values::of(pixel, 1.0);
-            let error = square(values.technique[0], values.oracle);
-            channel_mean(error / divisor(middle(values.oracle)))
+            let error = squared_error(values.technique[0], values.oracle);
+            channel_mean(error / divisor(mean_of_halves(values.oracle)))
         });
         let divided_by_mean = Estimate::of(&products.collect::<Vec<f64>>());
         assert!(divided_by_mean.mean < -20.0 * divided_by_mean.error);
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_bright_is_found() {
+    fn mean_bias_is_found() {
         let mut noise = Noise::new(8);
         for exposure in [0.0, -1.5] {
             let pixels = held_out(&mut noise, 3000, [0.05, 0.02], |_, truth| 1.02 * truth);
@@ -189,9 +189,9 @@ mod tests {
         }
     }
 
-    /// Every other pixel brighter and darker: their mean is right.
+    /// Pixels are brighter and darker in turn: only the squared bias shows it.
     #[test]
-    fn what_is_right_only_on_the_whole_is_found() {
+    fn local_bias_is_found() {
         let mut noise = Noise::new(9);
         let local = |i: usize, truth: Vec3| truth * if i.is_multiple_of(2) { 1.1 } else { 0.9 };
         let pixels = held_out(&mut noise, 2000, [0.05, 0.03], local);

@@ -1,34 +1,36 @@
-use super::pixel::{channel_mean, square};
+//! The error of a picture against a reference: MSE, relMSE, bias and FLIP.
+
+use super::pixel::{channel_mean, squared_error};
 use super::reference::{ReferencePixel, exposed};
 use super::statistics::percentile;
 use super::{Reference, flip, mean};
 use crate::film::Film;
 use glam::DVec3;
 
-/// How far a picture is from a reference, in units of display white.
+/// The error of a picture against a reference, in units of display white.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// The mean over pixels and channels of (x - I)^2, I being the true image.
+    /// The mean over pixels and channels of (x - I)^2, where I is the true image.
     ///
-    /// Free of the reference's own noise, as it is worked out as (x - A)(x - B) with the reference's halves.
-    /// By chance it is negative if the picture is much better than they are: that is kept, as means of many
-    /// pictures would be too high otherwise.
+    /// It is estimated by (x - A)(x - B) with the half buffers of the reference, so that the reference's noise does not bias
+    /// it. It may be negative if the picture is much better than the reference, and is not clamped: means over many pictures
+    /// would be too high otherwise.
     pub square_error: f64,
-    /// relMSE: the same, each square divided by m^2 + 0.01, m being the mean of the reference's pixels around:
-    /// see [`normaliser`](super::normaliser). May be negative too.
+    /// relMSE: the same, each square divided by m^2 + 0.01, where m is the local mean of the reference: see
+    /// [`normaliser`](super::normaliser). It may be negative, too.
     pub relative_square_error: f64,
-    /// Of |x - r| / sqrt(m^2 + 0.01), what 95 % of all pixels' channels do not exceed. The reference's noise
-    /// counts as the picture's.
+    /// The 95th percentile of |x - r| / sqrt(m^2 + 0.01) over all pixels and channels. The reference's noise counts as
+    /// the picture's.
     pub p95_relative_error: f64,
-    /// mean(x) / mean(r) - 1 over all pixels and channels: above 0 if the picture is too bright. NaN if the
-    /// reference is black.
+    /// mean(x) / mean(r) - 1 over all pixels and channels: above 0 if the picture is too bright; NaN if the reference is
+    /// black.
     pub mean_bias: f64,
     /// The mean FLIP of the displayed pictures of 8 bits, 0 to 1; see [`flip()`].
     pub flip: f64,
 }
 
 impl Difference {
-    /// Of a picture that is independent of both halves of the reference: no seed is shared.
+    /// Compares a picture with a reference. Their noise must be independent: no seed is shared.
     ///
     /// The exposure is in stops.
     ///
@@ -50,8 +52,10 @@ impl Difference {
         let mean_bias = difference / mean(&over_pixels(|_, r| r.mean()));
         let [shown, expected] = [&picture, &expected].map(Film::to_srgb8);
         Difference {
-            square_error: mean(&over_pixels(|x, r| square(x, r.halves))),
-            relative_square_error: mean(&over_pixels(|x, r| square(x, r.halves) / r.normaliser)),
+            square_error: mean(&over_pixels(|x, r| squared_error(x, r.halves))),
+            relative_square_error: mean(&over_pixels(|x, r| {
+                squared_error(x, r.halves) / r.normaliser
+            })),
             p95_relative_error: percentile(&mut errors, 0.95),
             mean_bias,
             flip: flip([picture.width(), picture.height()], &expected, &shown),
@@ -101,7 +105,7 @@ mod tests {
         film
     }
 
-    /// The reference's mean alone has more noise than the picture.
+    /// The mean of the reference has more noise than the picture.
     #[test]
     fn squared_errors_are_free_of_the_references_noise() {
         let truth = slope(96, 64);
@@ -131,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_better_than_the_reference_measures_as_nothing() {
+    fn a_perfect_picture_has_no_error_on_average() {
         let truth = slope(32, 32);
         let mut noise = Noise::new(4);
         let mut negative = 0;

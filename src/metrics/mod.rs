@@ -1,9 +1,8 @@
-//! The error of pictures against references whose own noise is known.
+//! The error of pictures against references of known noise.
 //!
-//! Pictures are [`Film`](crate::film::Film)s of linear light. An exposure in stops makes of it what is
-//! displayed, and all errors are in those units: 1 is display white. Relative errors are divided by
-//! sqrt(m^2 + 0.01), m being the light around the pixel, so that a tenth of white is as dark as it gets: see
-//! [`normaliser`].
+//! Pictures are [`Film`](crate::film::Film)s of linear radiance, multiplied by the exposure: all errors are in units of
+//! display white. Relative errors are divided by sqrt(m^2 + 0.01), where m is the local mean of the radiance: see
+//! [`normaliser`]. Estimates of squared errors multiply two independent half buffers, so that noise does not bias them.
 //!
 //! Knows nothing of files, threads or scenes.
 
@@ -11,10 +10,10 @@ mod bias;
 mod difference;
 mod flip;
 mod heat;
+mod local_mean;
 mod pixel;
 mod reference;
 mod statistics;
-mod surroundings;
 #[cfg(test)]
 pub(crate) mod synthetic;
 
@@ -22,6 +21,6 @@ pub use bias::{BiasCheck, HeldOutPixel};
 pub use difference::{Difference, relative_errors};
 pub use flip::flip;
 pub use heat::heat_map;
+pub use local_mean::{RADIANCE_FLOOR, local_mean, normaliser};
 pub use reference::Reference;
-pub use statistics::{Estimate, falls_to, mean, student};
-pub use surroundings::{DARK, mean_around, normaliser};
+pub use statistics::{Estimate, invert_decreasing, mean, student_t};

@@ -1,17 +1,17 @@
-//! The errors of one pixel, of R, G and B apart, in units of display white.
+//! Errors of one pixel, for R, G and B, in units of display white.
 
 use glam::DVec3;
 
-/// (x - A)(x - B), by chance below 0.
+/// (x - A)(x - B), an estimate of the squared error that noise may make negative.
 ///
-/// If x, A and B are independent, and A and B have the true image I as their mean, the noise of each factor
-/// knows nothing of the other, and the mean of the product is that of (x - I)^2.
-pub(super) fn square(x: DVec3, [a, b]: [DVec3; 2]) -> DVec3 {
+/// If x, A and B are independent, and the expectation of A and B is the true image I, then that of the product is the
+/// expectation of (x - I)^2.
+pub(super) fn squared_error(x: DVec3, [a, b]: [DVec3; 2]) -> DVec3 {
     (x - a) * (x - b)
 }
 
-/// What lies half way.
-pub(super) fn middle([a, b]: [DVec3; 2]) -> DVec3 {
+/// The mean of two half buffers' values.
+pub(super) fn mean_of_halves([a, b]: [DVec3; 2]) -> DVec3 {
     0.5 * (a + b)
 }
 

@@ -1,13 +1,15 @@
+//! References: two independent half buffers of the same picture.
+
 use super::mean;
 use super::normaliser;
-use super::pixel::{channel_mean, middle};
+use super::pixel::{channel_mean, mean_of_halves};
 use crate::film::Film;
 use glam::DVec3;
 
-/// Two independent halves of one picture, and what they give together.
+/// Two independent half buffers, A and B, of one picture, and their mean.
 ///
-/// Each half is right in the mean, with noise of its own. Two say how large their noise is, and errors
-/// against them can be told from it.
+/// Each is unbiased, with noise of its own. From both together the noise of the reference can be estimated, and errors
+/// against it without that noise.
 #[derive(Clone, Debug)]
 pub struct Reference {
     a: Film,
@@ -16,7 +18,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// Of two unbiased pictures made with different seeds.
+    /// A reference of two unbiased pictures with different seeds.
     ///
     /// # Panics
     ///
@@ -26,13 +28,13 @@ impl Reference {
         Reference { a, b, mean }
     }
 
-    /// The mean of the halves: the best picture there is.
+    /// The mean of the half buffers.
     pub fn mean(&self) -> &Film {
         &self.mean
     }
 
-    /// What the reference's own relMSE is likely to be at an exposure in stops: the mean over pixels and
-    /// channels of ((A - B) / 2)^2 / (m^2 + 0.01), whose expectation is the mean's variance.
+    /// The estimated relMSE of the mean, at an exposure in stops: the mean over pixels and channels of
+    /// ((A - B) / 2)^2 / (m^2 + 0.01), the expectation of whose numerator is the variance of the mean.
     pub fn relative_square_error(&self, exposure: f32) -> f64 {
         let squares = self.exposed(exposure).into_iter().map(|pixel| {
             let half = 0.5 * (pixel.halves[0] - pixel.halves[1]);
@@ -42,7 +44,7 @@ impl Reference {
         mean(&squares)
     }
 
-    /// How far chance may have moved the mean light, as a share of it: the standard deviation.
+    /// The standard error of the mean radiance of all pixels, relative to it.
     pub fn error_of_mean(&self) -> f64 {
         let halves = self.a.pixels().iter().zip(self.b.pixels());
         let squares = halves.map(|(a, b)| {
@@ -78,12 +80,12 @@ pub(super) struct ReferencePixel {
 }
 
 impl ReferencePixel {
-    /// What is most likely.
+    /// The mean of the half buffers.
     pub(super) fn mean(&self) -> DVec3 {
-        middle(self.halves)
+        mean_of_halves(self.halves)
     }
 
-    /// |x - r| / sqrt(m^2 + 0.01): the noise of the reference counts as the picture's.
+    /// |x - r| / sqrt(m^2 + 0.01), with the noise of the reference.
     pub(super) fn relative(&self, x: DVec3) -> DVec3 {
         (x - self.mean()).abs() / self.normaliser.map(f64::sqrt)
     }

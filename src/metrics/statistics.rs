@@ -1,3 +1,5 @@
+//! Means with standard errors, percentiles, and Student's t distribution.
+
 use serde::Serialize;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, SQRT_2};
 use std::ops::Div;
@@ -5,19 +7,19 @@ use std::ops::Div;
 /// A mean and its standard error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Estimate {
-    /// What is most likely.
+    /// The estimate.
     pub mean: f64,
-    /// The standard deviation of [`Estimate::mean`], at least 0; infinite if nothing is known of it.
+    /// The standard error of [`Estimate::mean`], at least 0; infinite if unknown.
     pub error: f64,
 }
 
 impl Estimate {
-    /// Of what is known.
+    /// A known value, of standard error 0.
     pub fn exact(mean: f64) -> Estimate {
         Estimate { mean, error: 0.0 }
     }
 
-    /// Of the mean of independent values. One value alone says nothing of its error, which is infinite.
+    /// The mean of independent values. The standard error of one value alone is infinite.
     pub fn of(values: &[f64]) -> Estimate {
         let error = match values.len() {
             0 | 1 => f64::INFINITY,
@@ -29,12 +31,12 @@ impl Estimate {
         }
     }
 
-    /// The two ends of what holds the truth 95 times of 100, the error itself being estimated with so many
-    /// `degrees` of freedom: for the mean of n values n - 1. With none, from -infinity to infinity.
+    /// The 95 % confidence interval, where the standard error is estimated with so many `degrees` of freedom: n - 1 for the
+    /// mean of n values. With none, from -infinity to infinity.
     pub fn interval(self, degrees: u32) -> [f64; 2] {
         let half = match degrees {
             0 => f64::INFINITY,
-            _ => student(degrees, 0.05) * self.error,
+            _ => student_t(degrees, 0.05) * self.error,
         };
         [self.mean - half, self.mean + half]
     }
@@ -43,7 +45,7 @@ impl Estimate {
 impl Div<f64> for Estimate {
     type Output = Estimate;
 
-    /// In other units; the divisor is exact.
+    /// The estimate in other units; the divisor is exact.
     fn div(self, divisor: f64) -> Estimate {
         Estimate {
             mean: self.mean / divisor,
@@ -57,16 +59,15 @@ pub fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// The standard deviation of what values are a sample of (their squared differences from the mean, summed
-/// and divided by one less than their number); NaN of fewer than two.
+/// The sample standard deviation (with n - 1); NaN of fewer than two values.
 fn standard_deviation(values: &[f64]) -> f64 {
     let mean = mean(values);
     let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
     (squares / (values.len() as f64 - 1.0)).sqrt()
 }
 
-/// The smallest of the values that at least `fraction` of them, 0 to 1, do not exceed ("nearest rank"); NaN
-/// of none. Counts NaN as the largest; changes the order.
+/// The percentile by nearest rank: the smallest value that at least `fraction` of the values, 0 to 1, do not exceed; NaN of
+/// none. NaN counts as the largest value. Reorders the values.
 pub(super) fn percentile(values: &mut [f64], fraction: f64) -> f64 {
     if values.is_empty() {
         return f64::NAN;
@@ -76,16 +77,15 @@ pub(super) fn percentile(values: &mut [f64], fraction: f64) -> f64 {
     *values.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
-/// With more degrees of freedom the expansion is as good as the sum, which has half as many terms as there
-/// are degrees.
+/// With more degrees of freedom the expansion is as accurate as the sum, which has half as many terms as there are degrees.
 const SUMMED: u32 = 2000;
 
-/// What the absolute value of Student's t exceeds with probability `p`, above 0 and below 1; `degrees` of
+/// The two-sided quantile of Student's t distribution: |t| exceeds it with probability `p`, above 0 and below 1; `degrees` of
 /// freedom are 1 or more.
 ///
 /// Abramowitz and Stegun, "Handbook of Mathematical Functions": the sums 26.7.3 for odd and 26.7.4 for even
 /// degrees, and for many the expansion 26.7.5, within 1e-6 of t where p is above 1e-7.
-pub fn student(degrees: u32, p: f64) -> f64 {
+pub fn student_t(degrees: u32, p: f64) -> f64 {
     if degrees <= SUMMED {
         by_sums(degrees, p)
     } else {
@@ -94,13 +94,13 @@ pub fn student(degrees: u32, p: f64) -> f64 {
 }
 
 fn by_sums(degrees: u32, p: f64) -> f64 {
-    let angle = falls_to(p, FRAC_PI_2, DOUBLE, |angle| exceeds(degrees, angle));
+    let angle = invert_decreasing(p, FRAC_PI_2, DOUBLE, |angle| exceeds(degrees, angle));
     libm::tan(angle) * f64::from(degrees).sqrt()
 }
 
 fn by_expansion(degrees: u32, p: f64) -> f64 {
     // No double is as unlikely as 40 standard deviations.
-    let x = falls_to(p, 40.0, DOUBLE, |x| libm::erfc(x / SQRT_2));
+    let x = invert_decreasing(p, 40.0, DOUBLE, |x| libm::erfc(x / SQRT_2));
     let first = (x.powi(3) + x) / 4.0;
     let second = (5.0 * x.powi(5) + 16.0 * x.powi(3) + 3.0 * x) / 96.0;
     let nu = f64::from(degrees);
@@ -128,9 +128,14 @@ fn exceeds(degrees: u32, angle: f64) -> f64 {
 /// Halvings after which nothing more changes in double precision.
 const DOUBLE: u32 = 60;
 
-/// Where from 0 to `high` a function that falls has come down to `value`: after so many halvings of the range
-/// the least place that is known. `high` is taken for such a place.
-pub fn falls_to(value: f64, mut high: f64, halvings: u32, function: impl Fn(f64) -> f64) -> f64 {
+/// The least argument from 0 to `high` where a decreasing function is at most `value`, by so many bisections. `high` is
+/// assumed to be one.
+pub fn invert_decreasing(
+    value: f64,
+    mut high: f64,
+    halvings: u32,
+    function: impl Fn(f64) -> f64,
+) -> f64 {
     let mut low = 0.0;
     for _ in 0..halvings {
         let middle = 0.5 * (low + high);
@@ -168,7 +173,7 @@ mod tests {
             (1_000_000, 0.05, 1.960),
             (u32::MAX, 0.001, 3.291),
         ] {
-            let t = student(degrees, p);
+            let t = student_t(degrees, p);
             assert!((t - expected).abs() < 5.1e-4, "{degrees} {p}: {t}");
         }
     }
@@ -197,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn little_is_known_of_few_values() {
+    fn few_values_have_wide_intervals() {
         let one = Estimate::of(&[3.0]);
         assert_eq!((one.mean, one.error), (3.0, f64::INFINITY));
         assert_eq!(one.interval(0), [f64::NEG_INFINITY, f64::INFINITY]);

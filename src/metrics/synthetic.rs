@@ -6,7 +6,7 @@ use crate::sampling::Random;
 use glam::Vec3;
 use std::f64::consts::TAU;
 
-/// Normal numbers, the same in every run.
+/// Normally distributed numbers, the same in every run.
 #[derive(Debug)]
 pub(crate) struct Noise(Random);
 
@@ -21,13 +21,13 @@ impl Noise {
         (-2.0 * libm::log(1.0 - u)).sqrt() * libm::cos(TAU * v)
     }
 
-    /// Light of which each channel is off by `sigma`.
+    /// A radiance with noise of standard deviation `sigma` in each channel.
     pub(crate) fn light(&mut self, truth: Vec3, sigma: f64) -> Vec3 {
         let mut channel = || (sigma * self.normal()) as f32;
         truth + Vec3::new(channel(), channel(), channel())
     }
 
-    /// Light whose channels lie evenly between two values.
+    /// A radiance whose channels are uniformly distributed between two values.
     pub(super) fn between(&mut self, low: f32, high: f32) -> Vec3 {
         let mut channel = || low + (high - low) * self.0.unit();
         Vec3::new(channel(), channel(), channel())
@@ -40,7 +40,7 @@ impl Noise {
         film
     }
 
-    /// A picture of which each channel is off by `sigma`.
+    /// A picture with noise of standard deviation `sigma` in each channel.
     pub(super) fn picture(&mut self, truth: &Film, sigma: f64) -> Film {
         let mut film = truth.clone();
         for pixel in film.pixels_mut() {
@@ -49,7 +49,7 @@ impl Noise {
         film
     }
 
-    /// A reference each half of which is off by `sigma`.
+    /// A reference whose half buffers have noise of standard deviation `sigma`.
     pub(super) fn reference(&mut self, truth: &Film, sigma: f64) -> Reference {
         let [a, b] = [0; 2].map(|_| self.picture(truth, sigma));
         Reference::new(a, b)

@@ -101,7 +101,7 @@ mod tests {
         let rooms = [
             vec![],
             vec![hall()],
-            // Faces the wrong way.
+            // Its faces point the wrong way.
             vec![cuboid(-outside, outside)],
         ];
         // The pillar's faces look outward, or inward.

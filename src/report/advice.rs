@@ -1,9 +1,12 @@
+//! Advice from the measurements: the cheapest setting for an error.
+
 use super::measure::Measurement;
 
-/// The errors that are advised on: noise that is just seen, and noise that is not.
+/// The relMSE values that are advised on: noise that is just visible, and noise that is hardly so.
 pub(super) const TARGETS: [f64; 2] = [0.01, 0.001];
 
-/// The cheapest setting for an error, in words. `full_size` are the columns and rows of the sequence's frames.
+/// The cheapest setting whose relMSE is `target` or less with every seed, in words, or what would reach it. The last argument
+/// is columns and rows of the sequence's frames.
 pub(super) fn advice(
     measurements: &[Measurement],
     target: f64,
@@ -14,12 +17,12 @@ pub(super) fn advice(
     let good = usual.iter().filter(|m| m.spread[1] <= target);
     let seconds = |of: &&&Measurement| of.full_size_seconds;
     if let Some(best) = good.min_by(|a, b| seconds(a).total_cmp(&seconds(b))) {
-        let share = match best.bake_seconds / best.full_size_seconds {
+        let baking = match best.bake_seconds / best.full_size_seconds {
             0.0 => String::new(),
-            share => format!(", {:.0} % of that for the light of the path", 100.0 * share),
+            fraction => format!(", {:.0} % of it for the irradiance cache", 100.0 * fraction),
         };
         return format!(
-            "relMSE {target}: `{}`, {:.3} s per frame of {width}x{height}{share} (measured: {:.2e}).",
+            "relMSE {target}: `{}`, {:.3} s per frame of {width}x{height}{baking} (measured: {:.2e}).",
             best.flags, best.full_size_seconds, best.relative_square_error,
         );
     }
@@ -28,7 +31,7 @@ pub(super) fn advice(
         let ends_curve = usual.get(last + 1).is_none_or(|next| next.curve != b.curve);
         let slope = (b.relative_square_error / a.relative_square_error).ln()
             / (b.full_size_seconds / a.full_size_seconds).ln();
-        // What falls no more never gets there, and what adds samples itself is told its own target.
+        // An error that falls no more never gets there, and adaptive sampling has a target of its own.
         let falls = b.falls_with_samples
             && a.curve == b.curve
             && ends_curve
@@ -39,7 +42,7 @@ pub(super) fn advice(
     });
     match ahead.min_by(|a, b| a.1.total_cmp(&b.1)) {
         Some((best, seconds)) => format!(
-            "relMSE {target}: no setting measured gets there. By its slope `{}` would with more samples, in \
+            "relMSE {target}: no setting measured gets there. Extrapolated, `{}` would with more samples, in \
              about {seconds:.1} s per frame of {width}x{height}; `--target-error {target}` adds them.",
             best.flags
         ),
@@ -101,7 +104,7 @@ mod tests {
         assert!(said.ends_with("no setting measured gets there."), "{said}");
     }
     #[test]
-    fn light_of_the_path_is_advised_with_its_price_and_never_beyond_what_is_measured() {
+    fn a_cache_is_advised_with_its_cost_and_never_beyond_what_is_measured() {
         let mut all = [
             measured("path", "--gi cached --samples 4", 0.5, 0.02),
             measured("path", "--gi cached --samples 16", 2.0, 0.005),
@@ -113,11 +116,11 @@ mod tests {
         let said = advice(&all, 0.01, (100, 100));
         assert!(
             said.contains(
-                "--samples 16`, 2.000 s per frame of 100x100, 25 % of that for the light of the path"
+                "--samples 16`, 2.000 s per frame of 100x100, 25 % of it for the irradiance cache"
             ),
             "{said}"
         );
-        // Its error falls here, but the light's own is left.
+        // The error falls here, but more samples leave the cache error.
         let said = advice(&all, 0.001, (100, 100));
         assert!(said.ends_with("no setting measured gets there."), "{said}");
     }

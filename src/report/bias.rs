@@ -1,4 +1,6 @@
-use super::light::PathLight;
+//! Bias of techniques, by unbiased oracle estimates at pixels of a few frames.
+
+use super::baked_cache::BakedCache;
 use super::measure::renderer;
 use super::technique::Technique;
 use super::{Inputs, Progress};
@@ -13,38 +15,37 @@ use std::collections::BTreeSet;
 /// Pixels of each frame.
 const PIXELS: usize = 1000;
 
-/// Of each pixel in each of two estimates of what is right.
+/// Paths of each of the two oracle estimates of a pixel.
 pub(super) const ORACLE_PATHS: u32 = 512;
 
-/// Nothing else has these seeds.
+/// Seeds from here on are the oracle's alone, so that its noise is independent.
 const SEED: u32 = 3 << 24;
 
-/// Whether a technique is right in the mean, by pixels of frames that were held out.
+/// The bias of a technique.
 #[derive(Clone, Debug, Serialize)]
 pub struct BiasRow {
-    /// The technique.
+    /// The curve of the technique.
     pub curve: &'static str,
-    /// What to write to get it.
+    /// The flags that select it.
     pub flags: String,
     /// Columns and rows of the frames.
     pub size: (u32, u32),
-    /// How many pixels were looked at.
+    /// How many pixels were compared.
     pub pixels: usize,
-    /// What stays of its relMSE however many pictures are averaged.
+    /// The part of its relMSE that averaging does not remove.
     pub squared_bias: Estimate,
-    /// How much too bright it is, as a share of the light.
+    /// The mean error, relative to the mean of the oracle: above 0 if the technique is too bright.
     pub mean_bias: Estimate,
-    /// Whether chance does not explain these.
+    /// Whether noise does not explain these.
     pub is_biased: bool,
 }
 
 /// Checks one technique of each curve.
 ///
-/// Light that is looked up is the same in both of its pictures: the error of the light is part of the squared
-/// bias, which no seed of the frames takes away.
+/// Both pictures of a technique that uses the irradiance cache share it: the cache error is part of the squared bias.
 pub(super) fn bias(
     inputs: &Inputs,
-    light: &PathLight,
+    cache: &BakedCache,
     techniques: &[Technique],
     progress: &mut Progress,
 ) -> Vec<BiasRow> {
@@ -52,18 +53,18 @@ pub(super) fn bias(
     let small = HeldOut::new(inputs, inputs.size, progress);
     let checked = techniques.iter().filter(|technique| technique.is_checked);
     let check = |technique: &Technique| match needs_frames(technique) {
-        true => small.check(inputs, light, technique, progress),
-        false => full_size.check(inputs, light, technique, progress),
+        true => small.check(inputs, cache, technique, progress),
+        false => full_size.check(inputs, cache, technique, progress),
     };
     checked.map(check).collect()
 }
 
-/// Where samples are added all pixels of a frame decide: it is rendered whole, and small.
+/// Adaptive sampling depends on all pixels of a frame: the frame is rendered whole, and small.
 fn needs_frames(technique: &Technique) -> bool {
     technique.settings.target_error.is_some()
 }
 
-/// About how many paths the check takes, for a forecast.
+/// About how many paths the check traces, for the progress.
 pub(super) fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
     let checked = techniques.iter().filter(|technique| technique.is_checked);
     let of_frame = checked.map(|technique| work_of_picture(inputs, technique));
@@ -71,7 +72,7 @@ pub(super) fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
     (2.0 * of_frame.sum::<f64>() + oracles) * inputs.frames.len() as f64
 }
 
-/// Of one picture of one frame.
+/// The paths of one picture of one frame.
 fn work_of_picture(inputs: &Inputs, technique: &Technique) -> f64 {
     let (width, height) = inputs.size;
     technique.paths()
@@ -81,7 +82,7 @@ fn work_of_picture(inputs: &Inputs, technique: &Technique) -> f64 {
         }
 }
 
-/// Pixels of some frames and what is right there, twice.
+/// Pixels of some frames, and two independent oracle estimates of each.
 struct HeldOut {
     size: (u32, u32),
     frames: Vec<HeldOutFrame>,
@@ -95,7 +96,7 @@ struct HeldOutFrame {
 }
 
 impl HeldOut {
-    /// Works out pixels, chosen by chance, of frames of a size.
+    /// Chooses random pixels of frames of a size, and estimates them.
     fn new(inputs: &Inputs, size: (u32, u32), progress: &mut Progress) -> HeldOut {
         progress.begin("held-out pixels");
         let settings = Settings {
@@ -134,17 +135,17 @@ impl HeldOut {
         }
     }
 
-    /// Holds a technique against them.
+    /// Compares a technique with the oracle.
     fn check(
         &self,
         inputs: &Inputs,
-        light: &PathLight,
+        cache: &BakedCache,
         technique: &Technique,
         progress: &mut Progress,
     ) -> BiasRow {
         progress.begin(technique.curve);
         let mut held_out = Vec::new();
-        let seeds = [0, 1].map(|seed| renderer(inputs, light, technique, self.size, seed));
+        let seeds = [0, 1].map(|seed| renderer(inputs, cache, technique, self.size, seed));
         for frame in &self.frames {
             let [first, second] = seeds
                 .each_ref()
@@ -170,7 +171,7 @@ impl HeldOut {
 }
 
 impl HeldOutFrame {
-    /// The pixels as a technique makes them.
+    /// The pixels as a technique renders them.
     fn picture(&self, inputs: &Inputs, technique: &Technique, renderer: &Renderer) -> Vec<Vec3> {
         let camera = inputs.path.camera(self.frame);
         if needs_frames(technique) {

@@ -1,4 +1,7 @@
-use super::light::PathLight;
+//! Flicker: the change of a surface point's radiance from a frame to the next, beyond that of the references, by
+//! reprojection.
+
+use super::baked_cache::BakedCache;
 use super::technique::WITHOUT_PATHS;
 use super::{Inputs, Progress};
 use crate::film::Film;
@@ -10,39 +13,39 @@ use serde::Serialize;
 /// Pairs of frames, spread over the path.
 const PAIRS: u32 = 8;
 
-/// About so many squares of [`TILE`] x [`TILE`] pixels of each pair are looked at.
+/// About so many tiles of [`TILE`] x [`TILE`] pixels of each pair are compared.
 const TILES: u32 = 40;
 
-/// Nothing else has these seeds.
+/// Seeds from here on are the references' alone, so that their noise is independent.
 const SEED: u32 = 5 << 24;
 
-/// Camera samples of a pixel that flickers; in exact light, of one path each.
+/// Camera samples of each pixel; where indirect light is path-traced, with one path each.
 pub(super) const PATHS: u32 = 32;
 
-/// Of each half of what tells how much.
+/// Camera samples of each half buffer of a reference.
 const REFERENCE_PATHS: u32 = 512;
 
-/// How much the noise of a frame and the next differs at the same points of the scene.
+/// The flicker from a frame to the next.
 #[derive(Clone, Debug, Serialize)]
 pub struct FlickerRow {
     /// The first of the two frames.
     pub frame: u32,
-    /// How the frames are made, in words.
+    /// How the frames are rendered, in words.
     pub kind: &'static str,
-    /// Typical change, as a share of the light, that neither motion nor interpolation explains.
+    /// Root mean square of the change that neither motion nor interpolation explains, relative to the radiance.
     pub relative: f64,
-    /// The square of that, not rounded up to 0.
+    /// The mean of the squared change: noise may make its estimate negative.
     pub square: Estimate,
-    /// The share of the pixels that see what the other frame sees, too.
+    /// The fraction of the pixels that see a point which the other frame sees, too.
     pub matched: f64,
 }
 
-/// Exact light with numbers of each frame's own and with the same in all, light of the path, and no light but
-/// what comes from lamps and mirrors: what flickers of that is left when nothing else does.
+/// Path-traced indirect light with a seed for each frame and with the same in all; the irradiance cache; and direct light
+/// alone, whose flicker is left when indirect light has none.
 pub(super) const KINDS: [&str; 4] = [
-    "exact, new seed in each frame",
-    "exact, locked seed",
-    "light of the path",
+    "path-traced, new seed in each frame",
+    "path-traced, locked seed",
+    "irradiance cache",
     "direct light alone",
 ];
 
@@ -52,7 +55,7 @@ type TwoFrames = [Film; 2];
 /// Measures pairs of frames of the sequence's own size.
 pub(super) fn flicker(
     inputs: &Inputs,
-    light: &PathLight,
+    cache: &BakedCache,
     progress: &mut Progress,
 ) -> Vec<FlickerRow> {
     progress.begin("flicker");
@@ -63,14 +66,14 @@ pub(super) fn flicker(
             samples: Some(samples),
             splits: Some(vec![1]),
             seed: Some(seed),
-            // The numbers of all kinds are given with the frames.
+            // Which random numbers a frame takes is said when it is rendered.
             lock_seed: Some(false),
             target_error: None,
             ..inputs.given.clone()
         };
-        light.renderer(inputs, inputs.resolve(&settings))
+        cache.renderer(inputs, inputs.resolve(&settings))
     };
-    let exact_of = |samples, seed| {
+    let path_traced_of = |samples, seed| {
         renderer(
             Mode::Montecarlo,
             GlobalIllumination::PathTraced,
@@ -86,10 +89,10 @@ pub(super) fn flicker(
             seed,
         )
     };
-    let exact = exact_of(PATHS, 0);
-    let path = renderer(Mode::Montecarlo, GlobalIllumination::Cached, PATHS, 0);
+    let path_traced = path_traced_of(PATHS, 0);
+    let cached = renderer(Mode::Montecarlo, GlobalIllumination::Cached, PATHS, 0);
     let direct = direct_of(PATHS, 0);
-    let references = exact_of(2 * REFERENCE_PATHS, SEED);
+    let references = path_traced_of(2 * REFERENCE_PATHS, SEED);
     let direct_references = [SEED, SEED + 1].map(|seed| direct_of(REFERENCE_PATHS, seed));
     let mut rows = Vec::new();
     for frame in pairs(inputs.path.timeline().frame_count()) {
@@ -97,9 +100,9 @@ pub(super) fn flicker(
         let own = [frame, frame + 1];
         let mut add = |kind: &'static str, picture: TwoFrames, [a, b]: &[TwoFrames; 2]| {
             let [picture, a, b] = [&picture, a, b].map(TwoFrames::each_ref);
-            let flicker = pair
-                .reprojection
-                .flicker(picture, a, b, exact.settings().display_white);
+            let flicker =
+                pair.reprojection
+                    .flicker(picture, a, b, path_traced.settings().display_white);
             rows.push(FlickerRow {
                 frame,
                 kind,
@@ -111,14 +114,14 @@ pub(super) fn flicker(
                 matched: flicker.matched,
             });
         };
-        let [new, locked, looked_up, lamps] = KINDS;
+        let [new, locked, cached_light, direct_light] = KINDS;
         let references = pair.halves(&references, own);
-        add(new, pair.picture(&exact, own), &references);
-        add(locked, pair.picture(&exact, [0, 0]), &references);
-        add(looked_up, pair.picture(&path, own), &references);
+        add(new, pair.picture(&path_traced, own), &references);
+        add(locked, pair.picture(&path_traced, [0, 0]), &references);
+        add(cached_light, pair.picture(&cached, own), &references);
 
-        // Without chance there are no halves. What direct light lacks is added to picture and references alike:
-        // it cancels, but for being a part of the light that the flicker is a share of.
+        // Ray tracing has no half buffers, so two seeds stand for them. The same indirect light is added to pictures and
+        // references: it cancels, but flicker is then relative to all light.
         let direct_references = direct_references
             .each_ref()
             .map(|renderer| pair.picture(renderer, own));
@@ -129,13 +132,13 @@ pub(super) fn flicker(
         );
         let with_rest = |films: TwoFrames| mixed(&films, &rest, [1.0, 1.0]);
         let picture = with_rest(pair.picture(&direct, own));
-        add(lamps, picture, &direct_references.map(with_rest));
+        add(direct_light, picture, &direct_references.map(with_rest));
         progress.step(work_of_pair());
     }
     rows
 }
 
-/// What the pairs say of the kinds, in words; nothing if there are none.
+/// The flicker of each kind in words, and which differences are significant; nothing without pairs.
 pub(super) fn advice(rows: &[FlickerRow]) -> Vec<String> {
     if rows.is_empty() {
         return Vec::new();
@@ -145,10 +148,10 @@ pub(super) fn advice(rows: &[FlickerRow]) -> Vec<String> {
         rows.map(|row| row.square.mean).collect()
     };
     let kinds = KINDS.map(squares);
-    let [new, locked, path, direct] = &kinds;
+    let [new, locked, cached, direct] = &kinds;
     let typical = |squares: &Vec<f64>| 100.0 * mean(squares).max(0.0).sqrt();
-    let [of_new, of_locked, of_path, of_direct] = kinds.each_ref().map(typical);
-    // Pair by pair, as what one shows more of it shows of all kinds.
+    let [of_new, of_locked, of_cached, of_direct] = kinds.each_ref().map(typical);
+    // Pair by pair: where one kind flickers more, all kinds do.
     let verdict = |flags: &str, squares: &[f64], others: &[f64]| {
         let more = squares.iter().zip(others).map(|(of, other)| of - other);
         let more: Vec<f64> = more.collect();
@@ -158,7 +161,7 @@ pub(super) fn advice(rows: &[FlickerRow]) -> Vec<String> {
         } else if high < 0.0 {
             format!("`{flags}` flickers less")
         } else {
-            "no difference that is sure".to_owned()
+            "no significant difference".to_owned()
         }
     };
     vec![
@@ -168,20 +171,20 @@ pub(super) fn advice(rows: &[FlickerRow]) -> Vec<String> {
             verdict("--lock-seed", locked, new)
         ),
         format!(
-            "Flicker with {PATHS} camera samples: {of_path:.1} % with light of the path, {of_direct:.1} % of \
+            "Flicker with {PATHS} camera samples: {of_cached:.1} % with the irradiance cache, {of_direct:.1} % of \
              direct light alone: {}.",
-            verdict("--gi cached", path, direct)
+            verdict("--gi cached", cached, direct)
         ),
     ]
 }
 
-/// About how many paths it takes, for a forecast.
+/// About how many paths all pairs trace, for the progress.
 pub(super) fn work(frames: u32) -> f64 {
     pairs(frames).len() as f64 * work_of_pair()
 }
 
 fn work_of_pair() -> f64 {
-    // Two frames of a pair; two kinds with paths and two without, and the two references of each of these.
+    // Two frames of a pair; two kinds that trace paths and two that do not, and references of both.
     f64::from(2 * TILES * TILE * TILE * 2 * (PATHS + REFERENCE_PATHS)) * (1.0 + WITHOUT_PATHS)
 }
 
@@ -192,12 +195,12 @@ fn pairs(frames: u32) -> Vec<u32> {
     (0..count).map(pair).collect()
 }
 
-/// Two frames, of which some pixels are worked out.
+/// Two consecutive frames, of which some pixels are rendered.
 struct Pair<'a> {
     inputs: &'a Inputs<'a>,
     frame: u32,
     reprojection: Reprojection,
-    /// The pixels of each.
+    /// The pixels of each frame.
     pixels: [Vec<(u32, u32)>; 2],
 }
 
@@ -211,11 +214,11 @@ impl Pair<'_> {
         let mut later: Vec<usize> = matches.iter().map(|of| of.pixel).collect();
         let taps = matches.iter().flat_map(|of| reprojection.taps(of));
         let mut earlier: Vec<usize> = taps.map(|(pixel, _)| pixel).collect();
-        let place = |pixel: usize| ((pixel as u32) % width, (pixel as u32) / width);
+        let position = |pixel: usize| ((pixel as u32) % width, (pixel as u32) / width);
         let pixels = [&mut earlier, &mut later].map(|pixels| {
             pixels.sort_unstable();
             pixels.dedup();
-            pixels.iter().copied().map(place).collect()
+            pixels.iter().copied().map(position).collect()
         });
         Pair {
             inputs,
@@ -225,12 +228,12 @@ impl Pair<'_> {
         }
     }
 
-    /// Both frames, which take the random numbers of the frames given.
+    /// Both frames, with the random numbers of the frames given.
     fn picture(&self, renderer: &Renderer, numbers: [u32; 2]) -> TwoFrames {
         mean_of(&self.halves(renderer, numbers))
     }
 
-    /// Both halves of both frames.
+    /// The half buffers A and B, each of both frames.
     fn halves(&self, renderer: &Renderer, numbers: [u32; 2]) -> [TwoFrames; 2] {
         let (width, height) = self.inputs.full_size();
         let both = [0, 1].map(|i| {
@@ -249,14 +252,14 @@ impl Pair<'_> {
     }
 }
 
-/// Of two, frame by frame.
+/// The mean of two pictures, frame by frame.
 fn mean_of([a, b]: &[TwoFrames; 2]) -> TwoFrames {
     mixed(a, b, [0.5, 0.5])
 }
 
-/// Of two, so much of each, frame by frame.
-fn mixed(of: &TwoFrames, other: &TwoFrames, shares: [f32; 2]) -> TwoFrames {
-    [0, 1].map(|i| of[i].weighted_sum(shares[0], &other[i], shares[1]))
+/// A weighted sum of two pictures, frame by frame.
+fn mixed(of: &TwoFrames, other: &TwoFrames, weights: [f32; 2]) -> TwoFrames {
+    [0, 1].map(|i| of[i].weighted_sum(weights[0], &other[i], weights[1]))
 }
 
 #[cfg(test)]
@@ -264,7 +267,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_flickers_more_is_said_only_if_pairs_agree() {
+    fn differences_are_told_only_if_pairs_agree() {
         // The squares of each kind in three pairs.
         let squares = [
             [4e-4, 5e-4, 3e-4],
@@ -287,18 +290,18 @@ mod tests {
         };
         let kinds = KINDS.into_iter().zip(squares);
         let rows: Vec<FlickerRow> = kinds.flat_map(of_kind).collect();
-        let [seeds, path] = &advice(&rows)[..] else {
-            panic!("seeds and path");
+        let [seeds, cache] = &advice(&rows)[..] else {
+            panic!("seeds and cache");
         };
         assert!(
             seeds.contains(": 2.0 % with a new seed in each frame, 1.0 % with a locked one: `--lock-seed` flickers less."),
             "{seeds}"
         );
         assert!(
-            path.contains(
-                ": 0.0 % with light of the path, 0.0 % of direct light alone: no difference"
+            cache.contains(
+                ": 0.0 % with the irradiance cache, 0.0 % of direct light alone: no significant"
             ),
-            "{path}"
+            "{cache}"
         );
         assert!(advice(&[]).is_empty());
     }

@@ -1,4 +1,6 @@
-use super::light::PathLight;
+//! Time and error of a technique against the references.
+
+use super::baked_cache::BakedCache;
 use super::seconds::Seconds;
 use super::technique::Technique;
 use super::{Inputs, Progress, pixels};
@@ -8,61 +10,61 @@ use crate::metrics::{Difference, Estimate, Reference, mean};
 use crate::render::{ErrorEstimate, Renderer};
 use serde::Serialize;
 
-/// What a technique costs and how far off it is: means over frames and seeds.
+/// Cost and error of a technique: means over frames and seeds.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measurement {
     /// The curve that it belongs to.
     pub curve: &'static str,
-    /// What to write to get it.
+    /// The flags that select it.
     pub flags: String,
-    /// Whether that gives it: not if it is a mean of renderings, or takes so long that nobody would.
+    /// Whether the flags alone give it: not if it is a mean of renderings or measured in a window.
     pub is_setting: bool,
-    /// Whether `--target-error` can be added to the flags and more samples will do.
+    /// Whether `--target-error` can be added to the flags, and more samples reduce the error without bound.
     pub falls_with_samples: bool,
     /// Columns and rows.
     pub size: (u32, u32),
     /// Seconds per frame.
     pub seconds: f64,
-    /// Seconds per frame of all processors together.
+    /// CPU seconds per frame, of all threads together.
     pub cpu_seconds: f64,
-    /// A frame's share of the seconds that the light of the path takes; 0 where it is not looked up.
+    /// A frame's part of the seconds that baking the irradiance cache takes; 0 where it is not used.
     pub bake_seconds: f64,
-    /// Seconds per frame of the sequence's own size, in proportion to the pixels, and the share in the light.
+    /// Seconds per frame of the sequence's own size: in proportion to the pixels, with the part of the cache.
     pub full_size_seconds: f64,
     /// Rays per frame.
     pub rays: f64,
-    /// Rays in a second.
+    /// Rays per second.
     pub rays_per_second: f64,
     /// The root of the mean square error, in units of display white.
     pub rmse: f64,
-    /// The error, as [`Difference::relative_square_error`] defines it.
+    /// relMSE, as [`Difference::relative_square_error`] defines it.
     pub relative_square_error: f64,
-    /// The least and the most of the seeds' errors.
+    /// The least and the largest relMSE of a seed.
     pub spread: [f64; 2],
-    /// What the frames themselves say of their error; none where nothing is left to chance.
+    /// relMSE as the frames estimate it, without a reference; none where there is no Monte Carlo noise.
     pub own_estimate: Option<f64>,
-    /// What 95 % of the relative errors do not exceed.
+    /// The 95th percentile of the relative errors.
     pub p95_relative_error: f64,
-    /// How much too bright the frames are, as a share of their light.
+    /// The mean error relative to the mean of the reference: above 0 if the frames are too bright.
     pub mean_bias: f64,
-    /// What holds the mean of endless seeds 95 times of 100, were the references free of noise, too.
+    /// The 95 % confidence interval of that, with the noise of seeds and references.
     pub mean_bias_interval: [f64; 2],
-    /// FLIP of the displayed pictures.
+    /// Mean FLIP of the displayed pictures.
     pub flip: f64,
 }
 
-/// One frame by a technique, and what it took.
-struct Taken {
+/// One frame by a technique, and its cost.
+struct Rendering {
     film: Film,
     seconds: Seconds,
     rays: u64,
     error: Option<ErrorEstimate>,
 }
 
-/// Measures a technique on frames and their references; gives its first picture, too.
+/// Measures a technique on frames against their references; gives its first picture, too.
 pub(super) fn measure(
     inputs: &Inputs,
-    light: &PathLight,
+    cache: &BakedCache,
     technique: &Technique,
     references: &[(u32, Reference)],
     progress: &mut Progress,
@@ -76,32 +78,33 @@ pub(super) fn measure(
         let (mut errors, mut biases) = (Vec::new(), Vec::new());
         for (frame, reference) in references {
             let size = (reference.mean().width(), reference.mean().height());
-            let renderer = renderer(inputs, light, technique, size, seed);
-            let taken = take(inputs, technique, &renderer, *frame);
-            let difference = Difference::of(&taken.film, reference, inputs.exposure());
+            let renderer = renderer(inputs, cache, technique, size, seed);
+            let rendering = render(inputs, technique, &renderer, *frame);
+            let difference = Difference::of(&rendering.film, reference, inputs.exposure());
             errors.push(difference.relative_square_error);
             biases.push(difference.mean_bias);
-            picture.get_or_insert_with(|| taken.film.clone());
-            all.push((taken, difference));
+            picture.get_or_insert_with(|| rendering.film.clone());
+            all.push((rendering, difference));
             progress.step(technique.paths() * pixels(size));
         }
         by_seed.push(mean(&errors));
         bias_by_seed.push(mean(&biases));
     }
     let picture = picture.expect("a frame and a seed");
-    let over =
-        |of: &dyn Fn(&(Taken, Difference)) -> f64| mean(&all.iter().map(of).collect::<Vec<f64>>());
-    let seconds = over(&|(taken, _)| taken.seconds.wall);
-    let rays = over(&|(taken, _)| taken.rays as f64);
-    let own = all.iter().map(|(taken, _)| taken.error);
+    let over = |of: &dyn Fn(&(Rendering, Difference)) -> f64| {
+        mean(&all.iter().map(of).collect::<Vec<f64>>())
+    };
+    let seconds = over(&|(rendering, _)| rendering.seconds.wall);
+    let rays = over(&|(rendering, _)| rendering.rays as f64);
+    let own = all.iter().map(|(rendering, _)| rendering.error);
     let own: Option<Vec<f64>> = own.map(|e| Some(e?.relative_square_error)).collect();
     let mut mean_bias = Estimate::of(&bias_by_seed);
     let variances = references.iter().map(|(_, r)| r.error_of_mean().powi(2));
     let of_references = variances.sum::<f64>().sqrt() / references.len() as f64;
     mean_bias.error = mean_bias.error.hypot(of_references);
     let size = (picture.width(), picture.height());
-    let bake_seconds = match technique.looks_up() {
-        true => light.bake.seconds_per_frame(),
+    let bake_seconds = match technique.uses_cache() {
+        true => cache.bake.seconds_per_frame(),
         false => 0.0,
     };
     let measurement = Measurement {
@@ -111,7 +114,7 @@ pub(super) fn measure(
         falls_with_samples: technique.falls_with_samples(),
         size,
         seconds,
-        cpu_seconds: over(&|(taken, _)| taken.seconds.cpu),
+        cpu_seconds: over(&|(rendering, _)| rendering.seconds.cpu),
         bake_seconds,
         full_size_seconds: seconds * pixels(inputs.full_size()) / pixels(size) + bake_seconds,
         rays,
@@ -133,10 +136,10 @@ pub(super) fn measure(
     (measurement, picture)
 }
 
-/// What renders a technique's frames.
+/// A renderer of a technique's frames.
 pub(super) fn renderer<'a>(
     inputs: &Inputs<'a>,
-    light: &'a PathLight,
+    cache: &'a BakedCache,
     technique: &Technique,
     size: (u32, u32),
     seed: u32,
@@ -146,17 +149,17 @@ pub(super) fn renderer<'a>(
         seed: Some(seed * technique.repeats),
         ..technique.settings.clone()
     };
-    // What decides the samples is the technique's alone.
+    // Samples are the technique's alone, whatever the files set.
     let given = Settings {
         samples: None,
         splits: None,
         target_error: None,
         ..inputs.given.clone()
     };
-    light.renderer(inputs, inputs.resolve(&of_frames.or(given)))
+    cache.renderer(inputs, inputs.resolve(&of_frames.or(given)))
 }
 
-fn take(inputs: &Inputs, technique: &Technique, renderer: &Renderer, frame: u32) -> Taken {
+fn render(inputs: &Inputs, technique: &Technique, renderer: &Renderer, frame: u32) -> Rendering {
     let camera = inputs.camera(frame, technique.is_tiny);
     let settings = renderer.settings();
     let mut rays = 0;
@@ -173,7 +176,7 @@ fn take(inputs: &Inputs, technique: &Technique, renderer: &Renderer, frame: u32)
             }
         }
     });
-    Taken {
+    Rendering {
         film: sum,
         seconds,
         rays,

@@ -1,14 +1,14 @@
-//! Speed against error: what every technique costs on a scene and a path, and what it buys.
+//! Error against time: what every technique costs on a scene and a camera path, and the error that is left.
 //!
-//! A few frames are rendered by each technique of one table, with several seeds, and held against references
-//! whose own noise is known. Pixels that are held out of full-size frames tell whether a technique is right in
-//! the mean, and pairs of frames tell how much it flickers. The light of the path is worked out once, for all
-//! techniques that look it up, and each of their frames is charged its share.
+//! A few frames are rendered by each technique of one table, with several seeds, and compared with references of known
+//! noise. Unbiased oracle estimates at pixels of full-size frames show whether a technique is biased, and pairs of
+//! consecutive frames how much it flickers. The irradiance cache is baked once, for all techniques that use it, and each of
+//! their frames is charged its part of the time.
 
 mod advice;
+mod baked_cache;
 mod bias;
 mod flicker;
-mod light;
 mod measure;
 mod pictures;
 mod progress;
@@ -18,14 +18,14 @@ mod technique;
 mod text;
 
 use advice::TARGETS;
+pub use baked_cache::BakeCost;
 pub use bias::BiasRow;
 pub use flicker::FlickerRow;
-pub use light::Bake;
 pub use measure::Measurement;
 pub use progress::Listener;
 pub use technique::{Technique, techniques};
 
-use light::PathLight;
+use baked_cache::BakedCache;
 use progress::Progress;
 
 use crate::camera::{Camera, CameraPath};
@@ -41,33 +41,33 @@ use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// What a report is made of.
+/// What a report is made from.
 #[derive(Debug)]
 pub struct Inputs<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// The path.
+    /// The camera path.
     pub path: &'a CameraPath,
-    /// What files and command line set for the sequence; what the techniques are about is left to them.
+    /// What files and command line set for the sequence; techniques override mode, samples, splits, target error and gi.
     pub given: Settings,
-    /// A hash of the input files.
+    /// A hash of the input files and of the program: references of another one are not used.
     pub fingerprint: String,
     /// The frames that are rendered; at least one.
     pub frames: Vec<u32>,
     /// Their columns and rows.
     pub size: (u32, u32),
-    /// How often everything is rendered; at least 2.
+    /// How often each technique renders each frame, each time with another seed; at least 2.
     pub seeds: u32,
     /// The relMSE of the references.
     pub reference_error: f64,
-    /// Where the report goes.
+    /// The folder of the report's files.
     pub folder: &'a Path,
-    /// What it is called.
+    /// The title of the report.
     pub title: String,
 }
 
 impl Inputs<'_> {
-    /// Stops.
+    /// The exposure in stops.
     fn exposure(&self) -> f32 {
         self.given.exposure.unwrap_or(0.0)
     }
@@ -77,7 +77,7 @@ impl Inputs<'_> {
         settings.resolve(self.path.timeline().frame_count())
     }
 
-    /// The camera of a frame, or of the tiny window in the middle of the full-size one.
+    /// The camera of a frame, or of the [`TINY`] window in the middle of the full-size one.
     fn camera(&self, frame: u32, is_tiny: bool) -> Camera {
         let mut camera = self.path.camera(frame);
         if is_tiny {
@@ -86,7 +86,7 @@ impl Inputs<'_> {
         camera
     }
 
-    /// What the files set that flags do not take back; none if there is nothing.
+    /// A warning of settings in the files that a technique's flags do not override; none if there are none.
     fn caveat(&self) -> Option<String> {
         let Settings {
             samples,
@@ -147,43 +147,43 @@ impl ReportError {
     }
 }
 
-/// What is found.
+/// What a report finds.
 #[derive(Debug, Serialize)]
 pub struct Report {
-    /// Of what.
+    /// The title.
     pub title: String,
     /// Columns and rows of the sequence's own frames.
     pub full_size: (u32, u32),
     /// The frames that were rendered.
     pub frames: Vec<u32>,
-    /// How often.
+    /// How often each technique rendered each frame.
     pub seeds: u32,
     /// The cheapest settings, in words.
     pub advice: Vec<String>,
-    /// What the light of the path takes.
-    pub bake: Bake,
+    /// The cost of the irradiance cache.
+    pub bake: BakeCost,
     /// Every technique, in the order of the table.
     pub measurements: Vec<Measurement>,
-    /// What the errors are held against.
+    /// The references that errors are relative to.
     pub references: Vec<ReferenceRow>,
-    /// What the held-out pixels say.
+    /// The bias of techniques.
     pub bias: Vec<BiasRow>,
-    /// What pairs of frames say.
+    /// The flicker of pairs of frames.
     pub flicker: Vec<FlickerRow>,
 }
 
-/// A reference, which stands for the frame without noise.
+/// The quality of a reference.
 #[derive(Debug, Serialize)]
 pub struct ReferenceRow {
     /// Columns and rows.
     pub size: (u32, u32),
     /// The frame.
     pub frame: u32,
-    /// Its own relMSE.
+    /// The estimated relMSE of the reference itself.
     pub relative_square_error: f64,
 }
 
-/// Columns and rows of what takes so long that a window in the middle of the frame has to do.
+/// Columns and rows of the window that stands for a frame where a technique is too slow for all of it.
 const TINY: (u32, u32) = (4, 3);
 
 /// Measures everything, on the threads of the current pool, and writes `report.csv`, `report.json`,
@@ -202,7 +202,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
 
     let usual_references = reference::references(inputs, false, &mut progress)?;
     let tiny_references = reference::references(inputs, true, &mut progress)?;
-    let light = PathLight::new(inputs, &mut progress);
+    let cache = BakedCache::new(inputs, &mut progress);
     let mut measurements: Vec<Measurement> = Vec::new();
     for (number, technique) in techniques.iter().enumerate() {
         let references = match technique.is_tiny {
@@ -210,7 +210,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
             false => &usual_references,
         };
         let (measured, picture) =
-            measure::measure(inputs, &light, technique, references, &mut progress);
+            measure::measure(inputs, &cache, technique, references, &mut progress);
         let next = techniques.get(number + 1);
         if next.is_none_or(|next| next.curve != technique.curve) {
             let strip = pictures::strip(inputs, &picture, &references[0].1)?;
@@ -218,8 +218,8 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         }
         measurements.push(measured);
     }
-    let bias = bias::bias(inputs, &light, &techniques, &mut progress);
-    let flicker = flicker::flicker(inputs, &light, &mut progress);
+    let bias = bias::bias(inputs, &cache, &techniques, &mut progress);
+    let flicker = flicker::flicker(inputs, &cache, &mut progress);
 
     let quality = |(frame, reference): &(u32, Reference)| ReferenceRow {
         size: (reference.mean().width(), reference.mean().height()),
@@ -241,7 +241,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         frames: inputs.frames.clone(),
         seeds: inputs.seeds,
         advice,
-        bake: light.bake,
+        bake: cache.bake,
         measurements,
         references,
         bias,

@@ -1,3 +1,5 @@
+//! The pictures of a report: charts of error and flicker, and strips of pictures beside their errors.
+
 use super::{FlickerRow, Inputs, Measurement, ReportError, flicker};
 use crate::drawing::chart::{Axis, Chart, Point, Series};
 use crate::film::Film;
@@ -28,7 +30,7 @@ pub(super) fn curves(inputs: &Inputs, measurements: &[Measurement]) -> Chart {
         }
     }
     Chart {
-        title: format!("{}: error for the time spent", inputs.title),
+        title: format!("{}: error against time", inputs.title),
         x: Axis {
             label: format!("seconds per frame of {width}x{height}"),
             logarithmic: true,
@@ -43,7 +45,7 @@ pub(super) fn curves(inputs: &Inputs, measurements: &[Measurement]) -> Chart {
     }
 }
 
-/// Flicker over the path.
+/// Flicker along the camera path, with 95 % confidence intervals.
 pub(super) fn flicker_curve(inputs: &Inputs, rows: &[FlickerRow]) -> Chart {
     let of_kind = |kind: &&'static str| {
         let rows = rows.iter().filter(|row| row.kind == *kind);

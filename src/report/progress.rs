@@ -1,12 +1,14 @@
-use super::{Inputs, TINY, Technique, bias, flicker, light, pixels, reference};
+//! The progress of a report, in paths traced.
+
+use super::{Inputs, TINY, Technique, baked_cache, bias, flicker, pixels, reference};
 use crate::bake;
 
-/// Told how far the report is, of 1, and what comes next.
+/// Is called with the progress, from 0 to 1, and what is done.
 pub type Listener<'a> = &'a (dyn Fn(f64, &str) + Sync);
 
-/// How far the report is.
+/// The progress of a report.
 pub(super) struct Progress<'a> {
-    /// In paths.
+    /// Paths traced so far, and in all.
     done: f64,
     all: f64,
     what: &'static str,
@@ -28,7 +30,7 @@ impl Progress<'_> {
         }
     }
 
-    /// Something else begins.
+    /// Begins something else.
     pub(super) fn begin(&mut self, what: &'static str) {
         self.what = what;
         self.step(0.0);
@@ -40,9 +42,9 @@ impl Progress<'_> {
         self.tell(self.done, self.what);
     }
 
-    /// As many paths more are done by what tells its own share of them.
-    pub(super) fn part<T>(&mut self, paths: f64, part: impl FnOnce(bake::Listener) -> T) -> T {
-        let made = part(&|share, what| self.tell(self.done + share * paths, what));
+    /// So many paths more are done by work that reports its own progress.
+    pub(super) fn part<T>(&mut self, paths: f64, work: impl FnOnce(bake::Listener) -> T) -> T {
+        let made = work(&|progress, what| self.tell(self.done + progress * paths, what));
         self.done += paths;
         made
     }
@@ -52,7 +54,7 @@ impl Progress<'_> {
     }
 }
 
-/// About how many paths the whole report takes.
+/// About how many paths the whole report traces.
 fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
     let usual = pixels(inputs.size) * inputs.frames.len() as f64;
     let of_technique = |technique: &Technique| {
@@ -66,7 +68,7 @@ fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
     techniques.iter().map(of_technique).sum::<f64>()
         + reference::work(inputs, false) * usual
         + reference::work(inputs, true) * pixels(TINY)
-        + light::work(inputs)
+        + baked_cache::work(inputs)
         + bias::work(inputs, techniques)
         + flicker::work(inputs.path.timeline().frame_count())
 }

@@ -1,3 +1,5 @@
+//! References of the frames that are measured: made once, and kept in the folder of the report.
+
 use super::{Inputs, Progress, ReferenceRow, ReportError, TINY};
 use crate::frames::{decode_exr, encode_exr, note_of_exr};
 use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Settings};
@@ -6,7 +8,7 @@ use crate::render::{RenderSettings, Renderer};
 use crate::storage::write_atomic;
 use std::fs;
 
-/// Its numbers have nothing in common with those of what is measured.
+/// Far from the seeds of what is measured, so that the noise is independent.
 const SEED: u32 = 1 << 24;
 
 /// The references of the frames that are measured, or of the tiny window, by frame.
@@ -34,14 +36,14 @@ pub(super) fn work(inputs: &Inputs, is_tiny: bool) -> f64 {
     0.1 / wanted_error(inputs, is_tiny)
 }
 
-/// What has a million paths in each of its few pixels needs a better reference.
+/// The relMSE of a reference. Techniques that trace a million paths in each pixel of the window need a better one.
 fn wanted_error(inputs: &Inputs, is_tiny: bool) -> f64 {
     let factor = if is_tiny { 0.01 } else { 1.0 };
     (factor * inputs.reference_error).max(MIN_TARGET_ERROR)
 }
 
-/// The reference of one frame: montecarlo with samples spread over each pixel, added until its own relMSE is
-/// below what the report asks for. It is made once, and kept with the fingerprint of all that decides it.
+/// The reference of one frame: montecarlo with adaptive sampling until its own estimated relMSE is below what the report asks
+/// for. It is rendered once, and kept with a hash of all its inputs.
 fn reference(
     inputs: &Inputs,
     size: (u32, u32),
@@ -51,8 +53,8 @@ fn reference(
     let settings = settings(inputs, size, is_tiny);
     let folder = inputs.folder.join("references");
     let camera = inputs.camera(frame, is_tiny);
-    let decisive = format!("{} {settings:?} {camera:?} {frame}", inputs.fingerprint);
-    let fingerprint = blake3::hash(decisive.as_bytes()).to_string();
+    let inputs_of_it = format!("{} {settings:?} {camera:?} {frame}", inputs.fingerprint);
+    let fingerprint = blake3::hash(inputs_of_it.as_bytes()).to_string();
     let kind = if is_tiny { "window" } else { "frame" };
     let files = ["a", "b"].map(|half| folder.join(format!("{kind}_{frame:05}_{half}.exr")));
     let cached = files.each_ref().map(|file| {
@@ -66,7 +68,7 @@ fn reference(
     }
     let renderer = Renderer::new(inputs.scene, settings, None).expect("needs no cache");
     let rendered = renderer.render_frame(&camera, frame);
-    let halves = rendered.halves();
+    let halves = rendered.half_buffers();
     for (file, half) in files.iter().zip(&halves) {
         let kept = fs::create_dir_all(&folder)
             .and_then(|()| write_atomic(file, &encode_exr(half, &fingerprint)?));
@@ -76,12 +78,12 @@ fn reference(
     Ok(Reference::new(a, b))
 }
 
-/// Says so if a reference is not as good as it should be; none if all are.
+/// A warning if a reference is noisier than asked for; none if all are as good.
 pub(super) fn advice(inputs: &Inputs, references: &[ReferenceRow]) -> Option<String> {
     let errors = references.iter().map(|row| row.relative_square_error);
     let worst = errors.fold(0.0, f64::max);
     (worst > inputs.reference_error).then(|| {
-        format!("A reference's own relMSE is {worst:.1e}: errors that are not much larger are uncertain.")
+        format!("The relMSE of a reference is {worst:.1e}: errors that are not much larger are uncertain.")
     })
 }
 

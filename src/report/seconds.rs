@@ -1,17 +1,19 @@
+//! Wall-clock and CPU time of work.
+
 use rustix::time::{ClockId, clock_gettime};
 use std::time::Instant;
 
-/// What something took.
+/// The time that work took.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Seconds {
-    /// By the clock.
+    /// Wall-clock seconds.
     pub(super) wall: f64,
-    /// Of all processors together.
+    /// CPU seconds, of all threads together.
     pub(super) cpu: f64,
 }
 
 impl Seconds {
-    /// Does something; gives what it made, too.
+    /// Does some work; gives its result, too.
     pub(super) fn of<T>(work: impl FnOnce() -> T) -> (T, Seconds) {
         let (start, cpu_start) = (Instant::now(), cpu_seconds());
         let made = work();
@@ -23,7 +25,7 @@ impl Seconds {
     }
 }
 
-/// Seconds that the processors have worked for this program.
+/// CPU seconds of this process so far.
 fn cpu_seconds() -> f64 {
     let time = clock_gettime(ClockId::ProcessCPUTime);
     time.tv_sec as f64 + 1e-9 * time.tv_nsec as f64

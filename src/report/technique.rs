@@ -1,27 +1,29 @@
+//! The techniques that a report compares.
+
 use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Settings};
 
-/// About how many paths take as long as a camera sample that gathers nothing.
+/// About how many paths take as long as a camera sample without indirect light.
 pub(super) const WITHOUT_PATHS: f64 = 0.2;
 
 /// One way to render a frame.
 #[derive(Clone, Debug)]
 pub struct Technique {
-    /// Techniques of one curve differ only in how many samples they take.
+    /// The name of its curve. Techniques of one curve differ only in their sample counts.
     pub curve: &'static str,
     /// What it sets; the rest is the sequence's own.
     pub settings: Settings,
-    /// It is the mean of so many renderings, each with a seed of its own.
+    /// How many renderings, each with another seed, are averaged.
     pub repeats: u32,
-    /// Whether it takes so long that it renders but a tiny window of the first frame.
+    /// Whether it is so slow that it renders only a tiny window of the first frame.
     pub is_tiny: bool,
-    /// Whether its bias is checked: one of each curve is.
+    /// Whether its bias is checked: at most one of each curve is.
     pub is_checked: bool,
 }
 
-/// Every technique there is: what stands here is measured, drawn and advised.
+/// All techniques, in the order of the report.
 pub fn techniques() -> Vec<Technique> {
     use Mode::{Montecarlo, MontecarloSupersampling, Raytracing, Supersampling};
-    // Camera samples, and paths that go on from each diffuse bounce.
+    // Camera samples of a pixel, and paths from each diffuse bounce.
     type Points<'a> = &'a [(Option<u32>, &'a [u32])];
     let curve = |curve: &'static str, mode: Mode, points: Points| -> Vec<Technique> {
         let technique = |(number, (samples, splits)): (usize, &(Option<u32>, &[u32]))| Technique {
@@ -53,8 +55,8 @@ pub fn techniques() -> Vec<Technique> {
         is_tiny: false,
         is_checked: target == 0.003,
     });
-    let path = curve(
-        "montecarlo, light of the path",
+    let cached = curve(
+        "montecarlo, irradiance cache",
         Montecarlo,
         &[
             (None, &[]),
@@ -63,15 +65,15 @@ pub fn techniques() -> Vec<Technique> {
             (Some(64), &[]),
         ],
     );
-    let path = path.into_iter().map(|technique| Technique {
+    let cached = cached.into_iter().map(|technique| Technique {
         settings: Settings {
             gi: Some(GlobalIllumination::Cached),
             ..technique.settings
         },
         ..technique
     });
-    // A rendering of one sample has two paths, one in each half.
-    let single = curve("independent numbers", Montecarlo, &[(Some(1), &[1])]);
+    // A rendering with one sample has two paths, one in each half buffer.
+    let single = curve("independent seeds", Montecarlo, &[(Some(1), &[1])]);
     let independent = [2, 8, 32].map(|repeats| Technique {
         repeats,
         is_checked: false,
@@ -84,7 +86,7 @@ pub fn techniques() -> Vec<Technique> {
             &[(None, &[32]), (None, &[512])],
         ),
         curve(
-            "tiny: 32 at every bounce",
+            "tiny: 32 splits at every bounce",
             Montecarlo,
             &[(None, &[32, 32, 32, 32])],
         ),
@@ -134,7 +136,7 @@ pub fn techniques() -> Vec<Technique> {
         ),
     ]
     .concat();
-    all.extend(path);
+    all.extend(cached);
     all.extend(targets);
     all.extend(independent);
     all.extend(tiny);
@@ -142,7 +144,7 @@ pub fn techniques() -> Vec<Technique> {
 }
 
 impl Technique {
-    /// What to write after `flythrough render SCENE PATH` to get it.
+    /// The flags of `flythrough render` that select it.
     pub fn flags(&self) -> String {
         let Settings {
             mode,
@@ -172,23 +174,23 @@ impl Technique {
         flags
     }
 
-    /// Whether it looks up the light of the path.
-    pub(super) fn looks_up(&self) -> bool {
+    /// Whether it uses the irradiance cache.
+    pub(super) fn uses_cache(&self) -> bool {
         self.settings.gi == Some(GlobalIllumination::Cached)
     }
 
-    /// Whether `--target-error` can be added to the flags and more samples will do: they leave the error of
-    /// light that is looked up.
+    /// Whether `--target-error` can be added to the flags, and more samples reduce the error without bound: they do not reduce
+    /// the cache error.
     pub(super) fn falls_with_samples(&self) -> bool {
         let targeted = Settings {
             target_error: Some(MIN_TARGET_ERROR),
             ..self.settings.clone()
         };
-        let is_free = self.settings.target_error.is_none() && !self.looks_up();
+        let is_free = self.settings.target_error.is_none() && !self.uses_cache();
         is_free && targeted.check_together().is_ok()
     }
 
-    /// About how many paths each pixel takes, for a forecast.
+    /// About how many paths each pixel traces, for the progress.
     pub(super) fn paths(&self) -> f64 {
         let samples = self.settings.samples.unwrap_or(1);
         let paths = match &self.settings.splits {
@@ -221,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_are_added_where_paths_are_gathered() {
+    fn adaptive_sampling_needs_path_traced_light() {
         for technique in techniques() {
             let flags = technique.flags();
             let gathers = flags.contains("montecarlo") && !flags.contains("--gi cached");
@@ -229,7 +231,7 @@ mod tests {
             let falls = technique.falls_with_samples();
             assert_eq!(falls, gathers && !has_target, "{flags}");
             assert_eq!(
-                technique.looks_up(),
+                technique.uses_cache(),
                 flags.contains("--gi cached"),
                 "{flags}"
             );
@@ -237,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn flags_say_what_is_set() {
+    fn flags_are_the_settings() {
         let find = |curve: &str| techniques().into_iter().rfind(|t| t.curve == curve);
         for (curve, flags) in [
             ("raytracing", "--mode raytracing"),
@@ -246,7 +248,7 @@ mod tests {
                 "--mode montecarlo --samples 4 --splits 8,2",
             ),
             (
-                "montecarlo, light of the path",
+                "montecarlo, irradiance cache",
                 "--mode montecarlo --samples 64 --gi cached",
             ),
             (

@@ -1,6 +1,8 @@
+//! The texts of a report: CSV, JSON and Markdown.
+
 use super::bias::ORACLE_PATHS;
 use super::flicker::PATHS;
-use super::{Bake, Measurement, Report, ReportError, strip_of};
+use super::{BakeCost, Measurement, Report, ReportError, strip_of};
 use std::fmt::Write;
 use std::io;
 
@@ -49,13 +51,13 @@ pub(super) fn csv(report: &Report) -> String {
     text
 }
 
-/// All of it.
+/// The whole report as JSON.
 pub(super) fn json(report: &Report) -> Result<Vec<u8>, ReportError> {
     let json = serde_json::to_vec_pretty(report);
     json.map_err(|error| ReportError::Encoding(io::Error::other(error)))
 }
 
-/// For people.
+/// The report as Markdown, with its pictures.
 pub(super) fn markdown(report: &Report) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
@@ -65,24 +67,26 @@ pub(super) fn markdown(report: &Report) -> String {
 
 fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     let (width, height) = report.full_size;
-    writeln!(out, "# {}: speed against error\n", report.title)?;
+    writeln!(out, "# {}: error against time\n", report.title)?;
     for line in &report.advice {
         writeln!(out, "* {line}")?;
     }
     let frames: Vec<String> = report.frames.iter().map(u32::to_string).collect();
     writeln!(
         out,
-        "\n![Error for the time spent](curves.png)\n\n\
-         Frames {} with {} seeds each (tiny: a window in the middle of the first, at full size), on {} threads; \
-         means of all, without a rendering to warm up. Advice and curves have the seconds of a frame of \
-         {width}x{height}, in proportion to its pixels (a little too many where neighbours share work); where \
-         the light of the path is looked up, with a frame's share of its seconds, if the whole path is \
-         rendered. In units of display white, relMSE is the mean of (x - r)^2 / (m^2 + 0.01), where r is the \
-         reference and m the mean of its pixels around: squared errors are free of the reference's own noise, \
-         and by chance negative where they are less than it. In brackets the least and the most of the seeds, \
-         and what holds the mean bias 95 times of 100. `own` is what the frames themselves say of their \
-         relMSE, without a reference: it does not know of bias, nor of edges that are not smooth where a \
-         pixel's samples do not spread. p95 is what 95 % of the relative errors do not exceed.\n\n\
+        "\n![Error against time](curves.png)\n\n\
+         Means of frames {} with {} seeds each, on {} threads, without a rendering to warm up. Advice and curves have \
+         the seconds of a frame of {width}x{height}, in proportion to its pixels; where the irradiance cache is used, \
+         with its part of baking, if all frames are rendered. Errors are in units of display white.\n\n\
+         * relMSE: the mean of (x - r)^2 / (m^2 + 0.01), where r is the reference and m its local mean. It is corrected \
+         for the noise of the reference, and may be negative where it is less than that; in brackets the least and the \
+         largest of a seed.\n\
+         * own relMSE: the estimate of the frames themselves, without a reference. It does not include bias, nor \
+         aliasing where a pixel's samples are not spread.\n\
+         * p95 error: the 95th percentile of the relative errors.\n\
+         * mean bias: with its 95 % confidence interval in brackets.\n\
+         * FLIP: how visible the errors are when picture and reference alternate (Andersson et al. 2020).\n\
+         * tiny: a window in the middle of the first frame, at full size.\n\n\
          {}\n",
         frames.join(", "),
         report.seeds,
@@ -92,7 +96,7 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     measurements(&report.measurements, report.full_size, out)?;
     writeln!(
         out,
-        "\n| reference | frame | its own relMSE |\n|---|---|---|"
+        "\n| reference | frame | relMSE of the reference |\n|---|---|---|"
     )?;
     for reference in &report.references {
         let (width, height) = reference.size;
@@ -102,11 +106,10 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     writeln!(
         out,
         "\n## Bias\n\n\
-         At pixels that chance chose, by two independent pictures and two independent estimates of \
-         {ORACLE_PATHS} paths each: what stays of relMSE however many pictures are averaged, and how much too \
-         bright they are; with standard errors. The light of the path is the same in both pictures, so that its own \
-         error is part of that. What has no bias is accused about once in 500 times, a little \
-         more often where a few bright pixels are among many dim ones.\n\n\
+         At random pixels, from two independent pictures and two independent oracle estimates of {ORACLE_PATHS} paths \
+         each, with standard errors: the squared bias, the part of relMSE that averaging does not remove, and the mean \
+         bias. Both pictures share the irradiance cache, so its error is part of the bias. An unbiased technique is called \
+         biased about once in 500 times; more often where a few bright pixels are among many dark ones.\n\n\
          | technique | pixels | squared bias | mean bias, % | |\n|---|---|---|---|---|"
     )?;
     for row in &report.bias {
@@ -126,10 +129,10 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     writeln!(
         out,
         "\n## Flicker\n\n\
-         The typical change, relative to the light, from a frame of {width}x{height} to the next at the same \
-         point of the scene, beyond what motion and interpolation change in the references; {PATHS} camera samples for each pixel, in \
-         exact light of one path each. Direct light alone, as a share of the same light, is what is left when \
-         all other light does not flicker.\n\n\
+         The root mean square change of the radiance, relative to it, from a frame of {width}x{height} to the next at \
+         the same point of the scene, beyond the change of the references; with {PATHS} camera samples in each pixel, of one \
+         path each where light is path-traced. Direct light alone, relative to all light, is what is left when indirect \
+         light does not flicker.\n\n\
          ![Flicker](flicker.png)\n\n\
          | frame | kind | relative change | its square | pixels matched, % |\n|---|---|---|---|---|"
     )?;
@@ -148,7 +151,7 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     writeln!(
         out,
         "\n## Pictures\n\n\
-         The best of each curve, and its relative error: black is 1 % or less, violet 10 %, pale yellow 100 %.\n"
+         The last technique of each curve, and its relative error: black is 1 % or less, violet 10 %, pale yellow 100 % or more.\n"
     )?;
     let mut curves: Vec<&str> = report.measurements.iter().map(|m| m.curve).collect();
     curves.dedup();
@@ -158,11 +161,11 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     Ok(())
 }
 
-fn bake(bake: &Bake) -> String {
-    let [visible, secondary] = bake.places;
+fn bake(bake: &BakeCost) -> String {
+    let [primary, secondary] = bake.records;
     format!(
-        "The light of the path takes {:.2} s ({:.2} CPU s) for all {} frames: {visible} places that the camera \
-         sees, {secondary} beyond, {:.1} MB.",
+        "The irradiance cache takes {:.2} s ({:.2} CPU s) for all {} frames: {primary} primary, {secondary} secondary \
+         records, {:.1} MB.",
         bake.seconds,
         bake.cpu_seconds,
         bake.frames,
@@ -177,7 +180,7 @@ fn measurements(
 ) -> std::fmt::Result {
     writeln!(
         out,
-        "| technique | size | s | CPU s | s, {width}x{height} | million rays | million rays/s | relMSE | own | \
+        "| technique | size | s | CPU s | s, {width}x{height} | million rays | million rays/s | relMSE | own relMSE | \
          RMSE | p95 error, % | mean bias, % | FLIP |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|"
     )?;
     for m in rows {

@@ -1,3 +1,6 @@
+//! Builds a scene from parts in world coordinates: chooses its origin, drops triangles without area, finds the features
+//! of its materials.
+
 use super::{Scene, Triangle};
 use crate::accel::Bvh;
 use crate::geometry::{Mesh, Sphere};
@@ -7,53 +10,53 @@ use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 
-/// The materials of a mesh, as numbers of the scene's materials.
+/// The materials of a mesh, as indices of the scene's materials.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MeshMaterial {
     /// One for the whole mesh.
     Uniform(usize),
-    /// One for each vertex of the mesh's only triangle, mixed barycentrically.
+    /// One for each vertex of the mesh's only triangle, interpolated barycentrically.
     PerVertex([usize; 3]),
 }
 
-/// A mesh in world coordinates, in double precision, before the scene's origin is known.
+/// A mesh in world coordinates, in double precision.
 #[derive(Clone, Debug)]
 pub struct SourceMesh {
     /// Vertex positions.
     pub positions: Vec<DVec3>,
-    /// Unit normals for each vertex, or none; a zero vector asks for the triangle's own.
+    /// A unit normal for each vertex, or none at all; a zero vector stands for the geometric normal.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates for each vertex, or none.
+    /// Texture coordinates for each vertex, or none at all.
     pub uvs: Vec<Vec2>,
-    /// Vertex indices.
+    /// Vertex indices, below the number of positions.
     pub triangles: Vec<[u32; 3]>,
-    /// What it is made of.
+    /// Its materials.
     pub material: MeshMaterial,
 }
 
-/// A scene in the making: parts in world coordinates, all finite, all numbers valid.
+/// The parts of a scene in world coordinates. All numbers are finite and all indices valid: input is checked before.
 #[derive(Debug, Default)]
 pub struct SceneBuilder {
     /// The scene's ambient colour.
     pub ambient: Vec3,
-    /// What a ray that leaves the scene sees.
+    /// The radiance along a ray that leaves the scene.
     pub background: Vec3,
     /// All materials.
     pub materials: Vec<Material>,
     /// All textures.
     pub textures: Vec<Texture>,
-    /// World positions and the lights; the position inside the light is not looked at.
+    /// World positions and the lights; the position inside the light is ignored.
     pub lights: Vec<(DVec3, PointLight)>,
-    /// Spheres in world coordinates with the numbers of their materials.
+    /// Spheres in world coordinates with the indices of their materials.
     pub spheres: Vec<(Sphere, usize)>,
     /// Meshes.
     pub meshes: Vec<SourceMesh>,
-    /// What answers the scene's ray queries.
+    /// The kernel that answers the scene's ray queries.
     pub kernel: Kernel,
 }
 
 impl SceneBuilder {
-    /// Arranges the scene for rays. Also returns how many triangles without area were dropped.
+    /// Builds the scene and its acceleration structure. Also returns how many triangles without area were dropped.
     pub fn build(self) -> (Scene, usize) {
         let origin = self.origin();
         let relative = |p: DVec3| (p - origin).as_vec3();
@@ -130,8 +133,8 @@ impl SceneBuilder {
         (scene, dropped)
     }
 
-    /// Where most of the scene is: the median of all vertices and of the ends of spheres, axis by axis.
-    /// Neither a sun nor a far vertex nor a globe for a ground takes precision from the rest.
+    /// The median of all vertices and of the ends of spheres, axis by axis: a robust centre, so that single precision is
+    /// finest where most of the scene is, whatever lies far away.
     fn origin(&self) -> DVec3 {
         let vertices = self.meshes.iter().flat_map(|m| m.positions.iter().copied());
         let spheres = self.spheres.iter().map(|(sphere, _)| sphere);
@@ -141,7 +144,7 @@ impl SceneBuilder {
     }
 }
 
-/// The middle of some numbers, between the two in the middle of an even count of them; 0 of none.
+/// The median of some numbers, the mean of the middle two of an even count; 0 of none.
 fn median(numbers: impl Iterator<Item = f64>) -> f64 {
     let mut numbers: Vec<f64> = numbers.collect();
     if numbers.is_empty() {
@@ -162,7 +165,7 @@ mod tests {
     const PLAIN: Material = Material::lambert(Vec3::ONE);
 
     #[test]
-    fn only_what_is_used_counts() {
+    fn only_used_materials_have_features() {
         let materials = vec![
             PLAIN,
             Material {

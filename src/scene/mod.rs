@@ -1,9 +1,25 @@
-//! The resolved scene: immutable, checked, ready for rays.
+//! The resolved scene: immutable, checked, with its acceleration structure.
 //!
-//! What the tracer may rely on: every number is finite; every material and texture number exists;
-//! no triangle is without area; normals are of unit length or zero; coordinates are relative to
-//! [`Scene::origin`], in the midst of the scene, so that single precision is finest where the
-//! scene is.
+//! What the renderer may assume of a [`Scene`]:
+//!
+//! - Every number is finite.
+//! - Coordinates are in metres, right-handed with +Y up, in single precision relative to [`Scene::origin`]. The origin
+//!   is the median of the geometry, so that precision is finest where most of the scene is.
+//! - Every index of a vertex, a material or a texture exists.
+//! - No triangle has zero area; its geometric normal is of unit length, on the side that sees its vertices
+//!   counter-clockwise.
+//! - A mesh has one normal per vertex or none; each is of unit length, or zero for the geometric normal. It has one
+//!   texture coordinate per vertex or none.
+//! - A mesh with a material per vertex has exactly one triangle.
+//! - Sphere radii are above 0.
+//! - Colours are linear RGB. Diffuse and mirror weights are in 0..1; specular weights, exponents, light intensities,
+//!   ambient and background are 0 or more.
+//! - Textures have at least one texel and are sampled as linear RGB in 0..1.
+//! - [`Scene::features`] holds every feature that a used material has; code that is compiled for fewer features than
+//!   these gives wrong colours.
+//! - Primitives are numbered: triangles first, then spheres.
+//!
+//! Knows nothing of files, cameras or integrators.
 
 mod builder;
 mod shadow_packet;
@@ -24,16 +40,16 @@ use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec3};
 
-/// Everything that can be seen, and the lights that show it.
+/// Geometry, materials and lights.
 #[derive(Debug)]
 pub struct Scene {
-    /// Where the scene's own coordinates have their origin, in world coordinates.
+    /// The origin of the scene's own coordinates, in world coordinates.
     pub origin: DVec3,
     /// The lights.
     pub lights: Vec<PointLight>,
     /// The scene's ambient colour.
     pub ambient: Vec3,
-    /// What a ray that leaves the scene sees.
+    /// The radiance along a ray that leaves the scene.
     pub background: Vec3,
     meshes: Vec<Mesh>,
     mesh_materials: Vec<MeshMaterial>,
@@ -42,14 +58,14 @@ pub struct Scene {
     sphere_materials: Vec<usize>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
-    /// What its surfaces need: the code that is generic over it relies on that.
+    /// The features of its used materials.
     features: FeatureSet,
     bvh: Bvh,
-    /// The largest absolute coordinate of any shape.
+    /// The largest absolute coordinate of all shapes.
     magnitude: f32,
 }
 
-/// What shading needs of a triangle, side by side.
+/// The shading data of a triangle.
 #[derive(Clone, Copy, Debug)]
 struct Triangle {
     vertices: VertexIndices,
@@ -116,7 +132,7 @@ impl Scene {
         self.bvh.kernel()
     }
 
-    /// What its surfaces need.
+    /// The features of its used materials.
     pub fn features(&self) -> FeatureSet {
         self.features
     }
@@ -126,12 +142,12 @@ impl Scene {
         self.bvh.bounds()
     }
 
-    /// How many triangles there are.
+    /// The number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// How many spheres there are.
+    /// The number of spheres.
     pub fn sphere_count(&self) -> usize {
         self.spheres.len()
     }
@@ -141,7 +157,7 @@ impl Scene {
         &self.textures
     }
 
-    /// Bytes of shapes, tree and textures.
+    /// Bytes of geometry, acceleration structure and textures.
     pub fn memory(&self) -> usize {
         let meshes = self.meshes.iter().map(|mesh| {
             size_of_val(&*mesh.positions) + size_of_val(&*mesh.normals) + size_of_val(&*mesh.uvs)

@@ -1,3 +1,5 @@
+//! Hits of the tree against brute force in double precision.
+
 use crate::accel::{Bvh, Traversal, disagreement};
 use crate::geometry::Sphere;
 use crate::math::Ray;

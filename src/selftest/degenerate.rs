@@ -1,5 +1,7 @@
+//! Degenerate triangles: edge on, slivers, coincident, without area.
+
+use super::fixtures::{first_hits, ray_in, sine, worse};
 use super::shapes::Polyhedron;
-use super::stage::{first_hits, ray_in, sine, worse};
 use crate::accel::{Bvh, Traversal};
 use crate::geometry::{Mesh, Transform};
 use crate::material::{Material, Only};

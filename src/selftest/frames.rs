@@ -1,12 +1,14 @@
+//! Whole frames: invariance to scale, position, kernel and thread count; thin walls; slow camera moves.
+
+use super::fixtures::{camera_at, path_traced, renderer, worse};
 use super::room::room;
 use super::shapes::Polyhedron;
-use super::stage::{looking, worse};
 use super::textures::Picture;
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrator::IntegratorSettings;
 use crate::material::Material;
-use crate::render::{PixelSampling, RenderSettings, Renderer};
+use crate::render::{PixelSampling, RenderSettings};
 use crate::scene::{Scene, SceneBuilder, SourceMesh};
 use crate::simd::Kernel;
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
@@ -21,19 +23,12 @@ fn settings(integrator: IntegratorSettings, sampling: PixelSampling) -> RenderSe
 
 const WHITTED: IntegratorSettings = IntegratorSettings::Whitted { bounces: 4 };
 
-fn path_traced() -> IntegratorSettings {
-    IntegratorSettings::PathTraced {
-        bounces: 3,
-        splits: vec![2, 1],
-    }
-}
-
 fn four_modes() -> [RenderSettings; 4] {
     [
         settings(WHITTED, PixelSampling::Center),
         settings(WHITTED, PixelSampling::Corners),
-        settings(path_traced(), PixelSampling::Spread(2)),
-        settings(path_traced(), PixelSampling::Corners),
+        settings(path_traced(3, [2, 1]), PixelSampling::Spread(2)),
+        settings(path_traced(3, [2, 1]), PixelSampling::Corners),
     ]
 }
 
@@ -41,12 +36,7 @@ fn film((scene, camera): &(Scene, Camera), settings: &RenderSettings) -> Film {
     renderer(scene, settings).render_frame(camera, 0).film
 }
 
-/// Renders by settings that need no irradiance cache.
-fn renderer<'a>(scene: &'a Scene, settings: &RenderSettings) -> Renderer<'a> {
-    Renderer::new(scene, settings.clone(), None).expect("needs no cache")
-}
-
-/// How many pixels of two films are not the same, bit by bit.
+/// How many pixels of two films differ, bit by bit.
 fn differing(a: &Film, b: &Film) -> f64 {
     let bits = |film: &Film| -> Vec<[u32; 3]> {
         film.pixels()
@@ -58,7 +48,7 @@ fn differing(a: &Film, b: &Film) -> f64 {
     pairs.filter(|(a, b)| a != b).count() as f64
 }
 
-/// The largest difference of the ray traced pictures of two rooms, in codes.
+/// The largest difference of the ray-traced pictures of two rooms, in 8-bit codes.
 fn code_difference(a: &(Scene, Camera), b: &(Scene, Camera)) -> f64 {
     let mut worst = 0;
     for settings in &four_modes()[..2] {
@@ -78,10 +68,10 @@ pub(super) fn scales(kernel: Kernel) -> f64 {
     difference(1e-3).max(difference(1e6))
 }
 
-/// Scaling by a power of two changes no bit of a number's fraction: gathered light must be the same in
-/// every bit, unless some length is not relative to the scene.
+/// Scaling by a power of two changes no bit of a significand: path-traced frames must be equal in every bit, unless some
+/// length is not relative to the scene.
 pub(super) fn powers_of_two(kernel: Kernel) -> f64 {
-    let settings = settings(path_traced(), PixelSampling::Spread(1));
+    let settings = settings(path_traced(3, [2, 1]), PixelSampling::Spread(1));
     let of = |scale: f64| film(&room(scale, DVec3::ZERO, kernel), &settings);
     let one = of(1.0);
     let scales = [2.0_f64.powi(-20), 2.0_f64.powi(20)];
@@ -98,7 +88,7 @@ pub(super) fn far_away(kernel: Kernel) -> f64 {
     code_difference(&here, &there)
 }
 
-/// One set of instructions and plain code.
+/// A kernel against portable code.
 pub(super) fn instructions(kernel: Kernel) -> f64 {
     let [this, portable] = [kernel, Kernel::PORTABLE].map(|kernel| room(1.0, DVec3::ONE, kernel));
     let modes = four_modes();
@@ -119,14 +109,14 @@ pub(super) fn threads(kernel: Kernel) -> f64 {
     for mode in &four_modes() {
         sum += match (on(1, mode), on(2, mode), on(5, mode)) {
             (Ok(one), Ok(two), Ok(five)) => differing(&one, &two) + differing(&one, &five),
-            // No threads can be started: nothing was found out.
+            // Without threads nothing is measured.
             _ => f64::NAN,
         };
     }
     sum
 }
 
-/// What lights itself with the colour of its material.
+/// Ambient light under which a surface has the colour of its material.
 const EVEN: Vec3 = Vec3::splat(1.0 / 0.3);
 
 /// A camera goes through a wall of 1e-6 m in steps of 1e-6 m, 1e3 m from the middle of the scene, where an
@@ -160,7 +150,7 @@ pub(super) fn through_a_wall(kernel: Kernel) -> f64 {
     let renderer = renderer(&scene, &settings);
     let sees_wall = |x: f64, way: f64| {
         let eye = DVec3::new(x, 0.1, 0.2);
-        let camera = looking(eye, eye + DVec3::new(way, 0.01, 0.02), 1.0);
+        let camera = camera_at(eye, eye + DVec3::new(way, 0.01, 0.02), 1.0);
         let seen = renderer.render_frame(&camera, 0).film.pixels()[0];
         seen.distance(Vec3::X) < 1e-6
     };

@@ -1,5 +1,9 @@
+//! Radiance with a closed form: shading terminator, mirrors, near and far lights, sphere interior, furnace.
+
+use super::fixtures::{
+    DIRECT, integrator, lamp, path_traced, perfect_mirror, radiance_along, worse,
+};
 use super::shapes::Polyhedron;
-use super::stage::{DIRECT, integrator, lamp, perfect_mirror, seen, worse};
 use crate::accel::nearest_triangle;
 use crate::geometry::{Sphere, Transform};
 use crate::integrator::IntegratorSettings;
@@ -61,7 +65,7 @@ pub(super) fn terminator(kernel: Kernel) -> f64 {
         } else {
             0.0
         };
-        let found = seen(&direct, eye, direction).x;
+        let found = radiance_along(&direct, eye, direction).x;
         worst = worse(worst, (f64::from(found) - exact).abs());
     }
     worst
@@ -98,14 +102,14 @@ pub(super) fn mirror_corridor(kernel: Kernel) -> f64 {
             let mirrors = integrator(&scene, &IntegratorSettings::Whitted { bounces });
             for i in 0..200 {
                 let aside = image.cross(random.point()).normalize();
-                let share = [0.9999, 1.0001][i % 2];
+                let fraction = [0.9999, 1.0001][i % 2];
                 // The tangent of the angle under which the outline is seen.
                 let sine = 0.1 / image.length();
                 let tangent = sine / (1.0 - sine * sine).sqrt();
-                let direction = image.normalize() + share * tangent * aside;
-                let is_seen = share < 1.0 && n.unsigned_abs() <= bounces;
+                let direction = image.normalize() + fraction * tangent * aside;
+                let is_seen = fraction < 1.0 && n.unsigned_abs() <= bounces;
                 let exact = if is_seen { 0.25 } else { 1.0 };
-                let found = seen(&mirrors, DVec3::ZERO, direction);
+                let found = radiance_along(&mirrors, DVec3::ZERO, direction);
                 worst = worse(worst, (f64::from(found.x) - exact).abs());
             }
         }
@@ -141,7 +145,7 @@ pub(super) fn grazing_mirror(kernel: Kernel) -> f64 {
             let eye = turn.point(20.0 * above * DVec3::Y);
             let (sin, cos) = (2.0 * PI * f64::from(random.unit())).sin_cos();
             let way = turn.point(DVec3::new(cos, -above, sin));
-            let found = seen(&mirrors, eye, way);
+            let found = radiance_along(&mirrors, eye, way);
             let error = found.distance(Vec3::new(0.25, 0.5, 0.75));
             worst = worse(worst, error.into());
         }
@@ -174,7 +178,7 @@ pub(super) fn near_and_far(kernel: Kernel) -> f64 {
             ..SceneBuilder::default()
         };
         let (scene, _) = builder.build();
-        f64::from(seen(&integrator(&scene, &DIRECT), DVec3::Y, DVec3::NEG_Y).x)
+        f64::from(radiance_along(&integrator(&scene, &DIRECT), DVec3::Y, DVec3::NEG_Y).x)
     };
     let mut worst: f64 = 0.0;
     for exponent in -40..=15 {
@@ -200,15 +204,8 @@ pub(super) fn near_and_far(kernel: Kernel) -> f64 {
     others.into_iter().fold(worst, worse)
 }
 
-fn path_traced(bounces: u32) -> IntegratorSettings {
-    IntegratorSettings::PathTraced {
-        bounces,
-        splits: vec![4, 2],
-    }
-}
-
 /// In a sphere of radius 1 and albedo 1/2 with a lamp of intensity pi in its middle every point has 1/2
-/// directly, and 2^-(k + 1) by the k-th bounce, whichever way a path goes.
+/// directly, and 2^-(k + 1) from the k-th bounce, on every path.
 pub(super) fn sphere_interior(kernel: Kernel) -> f64 {
     let ball = Sphere::new(DVec3::new(5.0, -2.0, 7.0), 1.0);
     let builder = SceneBuilder {
@@ -223,26 +220,26 @@ pub(super) fn sphere_interior(kernel: Kernel) -> f64 {
     let mut worst: f64 = 0.0;
     for bounces in [0, 1, 2, 3, 4, 20] {
         let exact = 1.0 - 0.5_f64.powi(bounces as i32 + 1);
-        let gathered = integrator(&scene, &path_traced(bounces));
+        let gathered = integrator(&scene, &path_traced(bounces, [4, 2]));
         for _ in 0..100 {
             let eye = ball.center + 0.5 * random.point();
-            let found = seen(&gathered, eye, random.point());
+            let found = radiance_along(&gathered, eye, random.point());
             worst = worse(worst, (f64::from(found.x) - exact).abs());
         }
     }
     worst
 }
 
-/// Under a sky of 1 a ball of albedo a has the light a, a mirror's 1, and a mixture its share of both;
-/// never more than 1.
+/// White furnace: under a sky of radiance 1 a ball of albedo a has the radiance a, a mirror 1, and a mixture of
+/// both the weighted mean.
 pub(super) fn furnace(kernel: Kernel) -> f64 {
     let mut random = Random::new(15);
     let mut worst: f64 = 0.0;
     for albedo in [0.0_f32, 0.3, 0.8, 1.0] {
-        for share in [0.0_f32, 0.5, 1.0] {
+        for reflectance in [0.0_f32, 0.5, 1.0] {
             let ball = Sphere::new(DVec3::ZERO, 1.0);
             let material = Material {
-                reflective: Vec3::splat(share),
+                reflective: Vec3::splat(reflectance),
                 ..Material::lambert(Vec3::splat(albedo))
             };
             let builder = SceneBuilder {
@@ -253,11 +250,11 @@ pub(super) fn furnace(kernel: Kernel) -> f64 {
                 ..SceneBuilder::default()
             };
             let (scene, _) = builder.build();
-            let exact = f64::from((1.0 - share) * albedo + share);
-            let gathered = integrator(&scene, &path_traced(2));
+            let exact = f64::from((1.0 - reflectance) * albedo + reflectance);
+            let gathered = integrator(&scene, &path_traced(2, [4, 2]));
             for _ in 0..100 {
                 let eye = 5.0 * random.point().normalize_or(DVec3::X);
-                let found = seen(&gathered, eye, 0.5 * random.point() - eye);
+                let found = radiance_along(&gathered, eye, 0.5 * random.point() - eye);
                 worst = worse(worst, (f64::from(found.x) - exact).abs());
             }
         }

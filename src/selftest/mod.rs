@@ -1,17 +1,18 @@
-//! Hard cases with known answers, run on the machine that will render: numerical stability, and light
-//! that can be worked out by hand.
+//! Hard cases with known answers, run on the machine that will render: numerical robustness, and radiance with a closed
+//! form.
 //!
-//! Each case measures its worst deviation from an answer that is derived, not recorded, for every set
-//! of instructions that the processor has. Knows nothing of files or terminals.
+//! Each case measures its largest deviation from an answer that is derived, not recorded, with every kernel that the
+//! processor supports. Knows nothing of files or terminals.
 
 mod boxes;
 mod degenerate;
+mod fixtures;
 mod frames;
 mod light;
 mod room;
 mod shapes;
 mod spheres;
-mod stage;
+
 mod surfaces;
 mod textures;
 mod watertight;
@@ -19,29 +20,28 @@ mod watertight;
 use crate::simd::Kernel;
 use rayon::prelude::*;
 
-/// Something that is hard to get right.
+/// A numerically hard case with a known answer.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
-    /// What it is about, the same for neighbours in [`CASES`].
+    /// The topic; cases of one group are neighbours in [`CASES`].
     pub group: &'static str,
-    /// What is done.
+    /// What is computed.
     pub name: &'static str,
-    /// What is counted or measured, and should be little.
+    /// What is counted or measured: 0 is exact.
     pub measures: &'static str,
-    /// The most that is right.
+    /// The largest value that passes.
     pub limit: f64,
     measure: fn(Kernel) -> f64,
 }
 
 impl Case {
-    /// Does the work, on the threads of the current pool; the worst value with each of
-    /// [`Kernel::available`].
+    /// Runs the case on the threads of the current pool; gives the largest value with each of [`Kernel::available`].
     pub fn run(&self) -> Vec<f64> {
         let kernels = Kernel::available().into_par_iter();
         kernels.map(self.measure).collect()
     }
 
-    /// Whether values are within the limit; NaN is not.
+    /// Whether all values are within the limit; NaN is not.
     pub fn holds(&self, worst: &[f64]) -> bool {
         worst.iter().all(|worst| *worst <= self.limit)
     }
@@ -85,28 +85,28 @@ cases! {
         edge_on, "rays in a triangle's plane; without area": "hits", at most 0.0;
         slivers, "a sliver of 1 to 1e-7 among others": "rays that pass between", at most 0.0;
         sliver_normals, "normals of slivers": "sine of the angle to the exact one", at most 2e-7;
-        coincident, "100,000 triangles in one place": "hits but of the first", at most 0.0;
-        without_area, "vertices that coincide or lie in line": "not dropped, not counted", at most 0.0;
+        coincident, "100,000 triangles in one place": "hits of another than the first", at most 0.0;
+        without_area, "corners that coincide or lie in line": "not dropped, not counted", at most 0.0;
     }
     boxes {
-        brute_force, "2 x 1,000,000 rays, double precision": "other answers", at most 0.0;
-        along_axes, "rays along axes, 0, -0, 1e-38, 1e-45": "other answers", at most 0.0;
-        small_scenes, "no shape, one, two, a few": "other answers", at most 0.0;
-        on_huge_ground, "triangles of 1e-3 m on a ground of 1e6 m": "other answers", at most 0.0;
-        deep_trees, "100,000 equal centres; huge among tiny": "other answers, faults", at most 0.0;
+        brute_force, "2 x 1,000,000 rays, double precision": "other hits than brute force", at most 0.0;
+        along_axes, "rays along axes, 0, -0, 1e-38, 1e-45": "other hits than brute force", at most 0.0;
+        small_scenes, "no shape, one, two, a few": "other hits than brute force", at most 0.0;
+        on_huge_ground, "triangles of 1e-3 m on a ground of 1e6 m": "other hits than brute force", at most 0.0;
+        deep_trees, "100,000 equal centres; huge among tiny": "other hits, faults of the tree", at most 0.0;
     }
     spheres {
         hits_and_misses, "0 to 1e6 radii away, exact arithmetic": "wrong hits and misses", at most 0.0;
-        distances, "their distances": "error, in radii", at most 1e-6;
+        distances, "distances to these spheres": "error, in radii", at most 1e-6;
         tangents, "tangents, within 4 ulp": "error, in radii; 1 if wrong", at most 1e-6;
         concentric, "radii of 10,000 and 10,001": "wrong order", at most 0.0;
-        ground, "a ground of radius 1e6 m from 1 m above": "relative error of light, horizon", at most 1e-4;
+        ground, "a ground of radius 1e6 m from 1 m above": "relative error of the radiance", at most 1e-4;
     }
     surfaces {
         leaving_triangles, "1,000,000 rays leave each of five quads": "meet the quad again", at most 0.0;
         leaving_spheres, "rays leave spheres, out- and inwards": "meet it where they left", at most 0.0;
         closed_corner, "1,000,000 rays from 1e-4 m beside edges": "escapes", at most 0.0;
-        thin_wall, "a wall thinner than an ulp before a lamp": "points lit wrongly", at most 0.0;
+        thin_wall, "a wall thinner than an ulp before a lamp": "points with wrong shadow", at most 0.0;
     }
     textures {
         coordinates, "coordinates of 0, 1, -1e-30, 1e6; one texel": "error of the colour", at most 1e-6;
@@ -114,20 +114,20 @@ cases! {
         equal_vertices, "vertices with equal coordinates": "error of the colour", at most 1e-5;
     }
     light {
-        terminator, "the terminator of a coarse smooth mesh": "error of the light", at most 1e-5;
-        mirror_corridor, "images of a ball by 1 to 4 reflections": "error of the light", at most 1e-6;
-        grazing_mirror, "a mirror seen at 89.99, 89.9999 degrees": "error of the light", at most 1e-6;
+        terminator, "the terminator of a coarse smooth mesh": "error of the radiance", at most 1e-5;
+        mirror_corridor, "images of a ball by 1 to 4 mirrors": "error of the radiance", at most 1e-6;
+        grazing_mirror, "a mirror seen at 89.99, 89.9999 degrees": "error of the radiance", at most 1e-6;
         near_and_far, "lamps 0 to 1e15 m away, in the surface": "relative error", at most 1e-5;
-        sphere_interior, "inside a sphere, 0 to 20 bounces": "error of the light", at most 5e-6;
-        furnace, "white, grey and mirror under a sky of 1": "error of the light", at most 1e-6;
+        sphere_interior, "inside a sphere, 0 to 20 bounces": "error of the radiance", at most 5e-6;
+        furnace, "white, grey and mirror under a sky of 1": "error of the radiance", at most 1e-6;
     }
     frames {
-        scales, "a room of 1e-3 m, 1e6 m beside one of 1 m": "codes of 8 bits", at most 1.0;
-        powers_of_two, "montecarlo in rooms of 2^-20, 2^20 m": "pixels with other bits", at most 0.0;
-        far_away, "a room of 1 m, 1e6 m from the origin": "codes of 8 bits", at most 1.0;
+        scales, "a room of 1e-3 m, 1e6 m beside one of 1 m": "difference, in 8-bit codes", at most 1.0;
+        powers_of_two, "montecarlo in rooms of 2^-20, 2^20 m": "pixels that differ", at most 0.0;
+        far_away, "a room of 1 m, 1e6 m from the origin": "difference, in 8-bit codes", at most 1.0;
         through_a_wall, "through a wall thinner than an ulp": "frames of the wrong side", at most 0.0;
-        slow_dolly, "2,000 frames 1e-4 m apart, at 1e4 m": "light that no motion explains", at most 2e-5;
-        instructions, "all four modes, beside portable code": "pixels with other bits", at most 0.0;
-        threads, "all four modes on 1, 2 and 5 threads": "pixels with other bits", at most 0.0;
+        slow_dolly, "2,000 frames 1e-4 m apart, at 1e4 m": "error of the radiance; its jumps", at most 2e-5;
+        instructions, "all four modes, SIMD and portable code": "pixels that differ", at most 0.0;
+        threads, "all four modes on 1, 2 and 5 threads": "pixels that differ", at most 0.0;
     }
 }

@@ -1,5 +1,7 @@
+//! A room with all features of a scene, at any scale and position.
+
+use super::fixtures::{camera_at, lamp, perfect_mirror};
 use super::shapes::Polyhedron;
-use super::stage::{lamp, looking, perfect_mirror};
 use crate::camera::Camera;
 use crate::geometry::Sphere;
 use crate::material::Material;
@@ -78,6 +80,6 @@ pub(super) fn room(scale: f64, middle: DVec3, kernel: Kernel) -> (Scene, Camera)
         meshes: vec![walls.mesh(0), tiled, smooth, sign],
         kernel,
     };
-    let camera = looking(at(0.31, 0.11, 0.44), at(-0.07, -0.21, -0.2), 65.0);
+    let camera = camera_at(at(0.31, 0.11, 0.44), at(-0.07, -0.21, -0.2), 65.0);
     (builder.build().0, camera)
 }

@@ -1,3 +1,5 @@
+//! Meshes that cases are built from.
+
 use crate::geometry;
 use crate::scene::{MeshMaterial, SourceMesh};
 use glam::{DVec3, Vec3};

@@ -1,11 +1,12 @@
-use super::stage::{lamp, looking, worse};
+//! Spheres against exact arithmetic in whole numbers.
+
+use super::fixtures::{DIRECT, camera_at, lamp, renderer, worse};
 use crate::accel::{Bvh, Traversal};
 use crate::camera::Camera;
 use crate::geometry::Sphere;
-use crate::integrator::IntegratorSettings;
 use crate::material::Material;
 use crate::math::Ray;
-use crate::render::{RenderSettings, Renderer};
+use crate::render::RenderSettings;
 use crate::sampling::Random;
 use crate::scene::SceneBuilder;
 use crate::simd::Kernel;
@@ -271,12 +272,11 @@ pub(super) fn ground(kernel: Kernel) -> f64 {
         ..SceneBuilder::default()
     };
     let (scene, _) = builder.build();
-    let settings = RenderSettings::new(IntegratorSettings::Whitted { bounces: 0 }, 160, 90);
-    let renderer = Renderer::new(&scene, settings, None).expect("needs no cache");
+    let renderer = renderer(&scene, &RenderSettings::new(DIRECT, 160, 90));
     let eye = DVec3::Y;
     let cameras: [Camera; 2] = [
-        looking(eye, DVec3::new(0.3, 0.2, -4.0), 70.0),
-        looking(eye, DVec3::new(-6.0, 1.0, -10.0), 1.0),
+        camera_at(eye, DVec3::new(0.3, 0.2, -4.0), 70.0),
+        camera_at(eye, DVec3::new(-6.0, 1.0, -10.0), 1.0),
     ];
     let size = DVec2::new(160.0, 90.0);
     let mut worst: f64 = 0.0;

@@ -1,5 +1,7 @@
+//! Rays that leave surfaces: no self-intersection and no escape.
+
+use super::fixtures::{DIRECT, first_hits, integrator, lamp, radiance_along, ray_in, white_scene};
 use super::shapes::Polyhedron;
-use super::stage::{DIRECT, first_hits, integrator, lamp, ray_in, seen, white_scene};
 use crate::geometry::{Hit, Sphere, Transform};
 use crate::material::{Material, Only};
 use crate::math::{NO_PRIMITIVE, Ray, to_world};
@@ -198,7 +200,7 @@ pub(super) fn thin_wall(kernel: Kernel) -> f64 {
         let is_in_front = i % 2 == 0;
         let eye = DVec3::new(if is_in_front { 1002.0 } else { 998.0 }, 0.0, 0.0);
         let target = DVec3::new(1000.3, 1.9 * random.point().y, 1.9 * random.point().z);
-        let light = seen(&integrator(&scene, &DIRECT), eye, target - eye).x;
+        let light = radiance_along(&integrator(&scene, &DIRECT), eye, target - eye).x;
         wrong += usize::from((light > 0.0) != is_in_front);
     }
     wrong as f64

@@ -1,4 +1,6 @@
-use super::stage::{first_hits, ray_in, worse};
+//! Texture coordinates and filtering against double precision.
+
+use super::fixtures::{first_hits, ray_in, worse};
 use crate::geometry::Sphere;
 use crate::material::{Material, Only};
 use crate::math::color::srgb_to_linear;

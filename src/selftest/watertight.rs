@@ -1,5 +1,8 @@
+//! Watertight intersection: no ray passes between triangles that share an edge or a vertex (Woop, Benthin and Wald
+//! 2013).
+
+use super::fixtures::{first_hits, sine, white_scene, worse};
 use super::shapes::Polyhedron;
-use super::stage::{first_hits, sine, white_scene, worse};
 use crate::accel::{Bvh, SAME_DISTANCE, Traversal};
 use crate::geometry::Transform;
 use crate::material::Only;

@@ -181,12 +181,12 @@ fn a_report_has_everything_and_keeps_its_references() {
     let many = errors("--mode montecarlo --samples 256 --splits 1");
     assert!(few[0] > 10.0 * many[0], "{few:?} {many:?}");
     assert!((few[0] / few[1] - 1.0).abs() < 0.3, "{few:?}");
-    // Light of the path: for fewer rays less error, and its seconds have the share of what it took.
+    // The irradiance cache: fewer rays, less error, and each frame is charged its part of baking.
     let number = |value: &serde_json::Value| value.as_f64().unwrap();
     let bake = &report["bake"];
     assert_eq!(bake["frames"], 3);
-    assert!(number(&bake["places"][0]) > 10.0, "{bake}");
-    assert!(text.contains("The light of the path takes"));
+    assert!(number(&bake["records"][0]) > 10.0, "{bake}");
+    assert!(text.contains("The irradiance cache takes"));
     let share = number(&bake["seconds"]) / 3.0;
     let mut looked_up = 0;
     for row in measured {
@@ -208,7 +208,7 @@ fn a_report_has_everything_and_keeps_its_references() {
     assert!(path[0] < exact[0], "{path:?} {exact:?}");
     assert!(10.0 * path[1] < exact[1], "{path:?} {exact:?}");
     let checked = report["bias"].as_array().unwrap();
-    let of_path = |row: &&serde_json::Value| row["curve"] == "montecarlo, light of the path";
+    let of_path = |row: &&serde_json::Value| row["curve"] == "montecarlo, irradiance cache";
     assert_eq!(checked.iter().filter(of_path).count(), 1);
     let flicker = |kind: &str| {
         let rows = report["flicker"].as_array().unwrap().iter();
@@ -217,8 +217,8 @@ fn a_report_has_everything_and_keeps_its_references() {
         assert_eq!(squares.len(), 2);
         squares.iter().sum::<f64>() / 2.0
     };
-    let noise = flicker("exact, new seed in each frame");
-    for kind in ["light of the path", "direct light alone"] {
+    let noise = flicker("path-traced, new seed in each frame");
+    for kind in ["irradiance cache", "direct light alone"] {
         assert!(
             30.0 * flicker(kind) < noise,
             "{kind}: {} {noise}",
@@ -252,7 +252,7 @@ fn a_report_has_everything_and_keeps_its_references() {
     let before = modified(&folder);
     run();
     assert_eq!(modified(&folder), before);
-    // Where nothing is gathered there is no light of the path; and what files set is not what was measured.
+    // Where nothing is gathered the cache is empty; and what files set is not what was measured.
     let darker = fs::read_to_string(&scene)
         .unwrap()
         .replace("bounces: 1", "bounces: 0, gi: \"path\"");
@@ -263,7 +263,7 @@ fn a_report_has_everything_and_keeps_its_references() {
         "{said}"
     );
     let report: serde_json::Value = serde_json::from_str(&read("report.json")).unwrap();
-    assert_eq!(report["bake"]["places"], serde_json::json!([0, 0]));
+    assert_eq!(report["bake"]["records"], serde_json::json!([0, 0]));
     assert_ne!(references(), made);
 }
 

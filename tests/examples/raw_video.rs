@@ -3,7 +3,7 @@
 //!
 //! ```sh
 //! cargo run --release --example raw_video -- scenes/test3.ron paths/test3.ron \
-//!     | ffmpeg -f rawvideo -pix_fmt rgb24 -video_size 640x480 -framerate 25 -i - -pix_fmt yuv420p video.mp4
+//!     | ffmpeg -f rawvideo -pix_fmt rgb24 -video_size 640x480 -framerate 24 -i - -pix_fmt yuv420p video.mp4
 //! ```
 
 use flythrough::camera_formats::load_camera_path;

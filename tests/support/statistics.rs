@@ -5,7 +5,7 @@ pub(crate) use flythrough::metrics::Estimate;
 use super::{renderer, settings};
 use flythrough::camera::Camera;
 use flythrough::integrator::IntegratorSettings;
-use flythrough::metrics::student;
+use flythrough::metrics::student_t;
 use flythrough::render::{PixelSampling, RenderSettings};
 use flythrough::scene::Scene;
 use glam::Vec3;
@@ -90,7 +90,7 @@ impl Agreement {
         let count = squares.len() as f64;
         Agreement {
             worst: squares.iter().copied().fold(0.0, f64::max).sqrt(),
-            limit: student(degrees, 1.0 - 0.99_f64.powf(1.0 / count)),
+            limit: student_t(degrees, 1.0 - 0.99_f64.powf(1.0 / count)),
             mean_square: squares.iter().sum::<f64>() / count,
         }
     }

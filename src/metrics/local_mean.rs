@@ -1,13 +1,15 @@
+//! The local mean of pixels, and what makes squared errors relative to it (relMSE).
+
 use glam::Vec3;
 use std::ops::{AddAssign, Div};
 
-/// Errors count in proportion to the light, but to no less than this share of white: otherwise a few pixels
-/// that are nearly black would outweigh all others.
-pub const DARK: f32 = 0.1;
+/// The least radiance that errors are relative to, as a fraction of display white: otherwise a few pixels that are nearly
+/// black would outweigh all others.
+pub const RADIANCE_FLOOR: f32 = 0.1;
 
-/// The mean of the up to eight values around one in rows of `width`, `reach` to either side; none if there are
-/// none.
-pub fn mean_around<T>(values: &[T], width: usize, number: usize, reach: usize) -> Option<T>
+/// The mean of the up to eight neighbours of a value, the value itself left out, at a distance of `reach` in rows of
+/// `width`; none if it has no neighbours.
+pub fn local_mean<T>(values: &[T], width: usize, number: usize, reach: usize) -> Option<T>
 where
     T: Copy + Default + AddAssign + Div<f32, Output = T>,
 {
@@ -28,12 +30,11 @@ where
     (count > 0).then(|| sum / count as f32)
 }
 
-/// What squared errors at a pixel are divided by: m^2 + (white / 10)^2, where m is the mean of the pixels
-/// around it, `reach` to either side. Where light is even, m^2 is the usual r^2; but chance moves it
-/// independently of the pixel, so that no noise is divided by itself.
+/// What squared errors at a pixel are divided by: m^2 + (white / 10)^2, where m is the [`local_mean`]. Where radiance is even,
+/// m^2 is the usual r^2; but its noise is independent of the pixel's, so that the quotient is not biased.
 pub fn normaliser(pixels: &[Vec3], width: usize, number: usize, reach: usize, white: f32) -> Vec3 {
-    let around = mean_around(pixels, width, number, reach).unwrap_or(pixels[number]);
-    around * around + (DARK * white).powi(2)
+    let mean = local_mean(pixels, width, number, reach).unwrap_or(pixels[number]);
+    mean * mean + (RADIANCE_FLOOR * white).powi(2)
 }
 
 #[cfg(test)]
@@ -43,16 +44,16 @@ mod tests {
     #[test]
     fn neighbours_do_not_include_the_pixel() {
         let values: Vec<f32> = (0..12).map(|i| i as f32).collect();
-        assert_eq!(mean_around(&values, 4, 5, 1), Some(5.0));
-        // Of the corner: 1, 4 and 5.
-        assert_eq!(mean_around(&values, 4, 0, 1), Some(10.0 / 3.0));
+        assert_eq!(local_mean(&values, 4, 5, 1), Some(5.0));
+        // The neighbours of the corner: 1, 4 and 5.
+        assert_eq!(local_mean(&values, 4, 0, 1), Some(10.0 / 3.0));
         // Two away from 5, in rows of four and columns of three: 7 only.
-        assert_eq!(mean_around(&values, 4, 5, 2), Some(7.0));
-        assert_eq!(mean_around(&[3.0], 1, 0, 1), None);
+        assert_eq!(local_mean(&values, 4, 5, 2), Some(7.0));
+        assert_eq!(local_mean(&[3.0], 1, 0, 1), None);
     }
 
     #[test]
-    fn errors_are_relative_to_the_light_around_or_to_a_tenth_of_white() {
+    fn errors_are_relative_to_the_local_mean_or_to_a_tenth_of_white() {
         let pixels = [0.3, 5.0, 0.5].map(Vec3::splat);
         let close = |a: Vec3, b: f32| (a - b).abs().max_element() < 1e-6;
         assert!(close(normaliser(&pixels, 3, 1, 1, 2.0), 0.16 + 0.04));

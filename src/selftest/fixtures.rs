@@ -1,3 +1,5 @@
+//! What cases share: cameras, lights, materials, scenes, renderers and error measures.
+
 use super::shapes::Polyhedron;
 use crate::accel::Traversal;
 use crate::camera::Camera;
@@ -6,13 +8,14 @@ use crate::integrator::{CameraSample, Integrator, IntegratorSettings};
 use crate::light::{Falloff, PointLight};
 use crate::material::Material;
 use crate::math::Ray;
+use crate::render::{RenderSettings, Renderer};
 use crate::sampling::Sequence;
 use crate::scene::{Scene, SceneBuilder};
 use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 
 /// A camera at `eye` that looks at `target`, its vertical field of view in degrees.
-pub(super) fn looking(eye: DVec3, target: DVec3, degrees: f64) -> Camera {
+pub(super) fn camera_at(eye: DVec3, target: DVec3, degrees: f64) -> Camera {
     Camera::look_at(eye, target, degrees.to_radians()).expect("not straight up or down")
 }
 
@@ -24,7 +27,7 @@ pub(super) fn perfect_mirror() -> Material {
     }
 }
 
-/// A light of even colour that falls off with the square of the distance.
+/// A grey light that falls off with the inverse square of the distance.
 pub(super) fn lamp(position: DVec3, intensity: f32) -> (DVec3, PointLight) {
     let light = PointLight {
         position: Vec3::ZERO,
@@ -45,13 +48,13 @@ pub(super) fn white_scene(meshes: &[&Polyhedron], kernel: Kernel) -> Scene {
     builder.build().0
 }
 
-/// The ray from `eye` along `direction`, of unit length, in a scene's own coordinates.
+/// The normalised ray from `eye` along `direction`, relative to the origin of the scene.
 pub(super) fn ray_in(scene: &Scene, eye: DVec3, direction: DVec3) -> Ray {
     let origin = (eye - scene.origin).as_vec3();
     Ray::new(origin, direction.normalize().as_vec3())
 }
 
-/// What each of some rays that have nothing in common meets first.
+/// The closest hits of incoherent rays.
 pub(super) fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Option<Hit>> {
     let mut hits = vec![None; rays.len()];
     scene.closest_incoherent(rays, &mut hits, &mut Traversal::default());
@@ -65,16 +68,29 @@ pub(super) fn sine(unit: Vec3, exact: DVec3) -> f64 {
     unit.as_dvec3().cross(exact).length()
 }
 
-/// Direct light alone.
+/// Direct light only.
 pub(super) const DIRECT: IntegratorSettings = IntegratorSettings::Whitted { bounces: 0 };
+
+/// Path tracing with so many bounces and splits.
+pub(super) fn path_traced(bounces: u32, splits: [u32; 2]) -> IntegratorSettings {
+    IntegratorSettings::PathTraced {
+        bounces,
+        splits: splits.to_vec(),
+    }
+}
+
+/// A renderer of settings that need no irradiance cache.
+pub(super) fn renderer<'a>(scene: &'a Scene, settings: &RenderSettings) -> Renderer<'a> {
+    Renderer::new(scene, settings.clone(), None).expect("needs no cache")
+}
 
 /// The integrator of settings that need no irradiance cache.
 pub(super) fn integrator<'a>(scene: &'a Scene, settings: &IntegratorSettings) -> Integrator<'a> {
     Integrator::new(scene, settings, None).expect("needs no cache")
 }
 
-/// The light that comes to `eye` along `direction`.
-pub(super) fn seen(integrator: &Integrator, eye: DVec3, direction: DVec3) -> Vec3 {
+/// The radiance that arrives at `eye` along `direction`.
+pub(super) fn radiance_along(integrator: &Integrator, eye: DVec3, direction: DVec3) -> Vec3 {
     let sample = CameraSample {
         ray: ray_in(integrator.scene(), eye, direction),
         sequence: Sequence::new(0, 0, 0, 0),
@@ -85,7 +101,7 @@ pub(super) fn seen(integrator: &Integrator, eye: DVec3, direction: DVec3) -> Vec
     radiance[0]
 }
 
-/// The larger of two errors; what is no number is as bad as can be.
+/// The larger of two errors; NaN counts as infinite.
 pub(super) fn worse(worst: f64, error: f64) -> f64 {
     if error.is_nan() {
         f64::INFINITY

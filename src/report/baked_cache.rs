@@ -1,3 +1,5 @@
+//! The irradiance cache of the sequence, baked once for all techniques that use it.
+
 use super::seconds::Seconds;
 use super::{Inputs, Progress, pixels};
 use crate::bake::{Baked, bake};
@@ -5,42 +7,41 @@ use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::render::{RenderSettings, Renderer};
 use serde::Serialize;
 
-/// Paths that it takes for each pixel of the sequence, about: in `test3` and in `gallery`.
+/// Paths that baking traces for each pixel of the sequence, about: measured in `test3` and in `gallery`.
 const PATHS: f64 = 0.1;
 
-/// What it takes to work out the light of the path, once for all of its frames.
+/// The cost of the irradiance cache, which all frames of a sequence share.
 #[derive(Clone, Debug, Serialize)]
-pub struct Bake {
-    /// Seconds.
+pub struct BakeCost {
+    /// Seconds that baking takes.
     pub seconds: f64,
-    /// Seconds of all processors together.
+    /// CPU seconds, of all threads together.
     pub cpu_seconds: f64,
-    /// The frames that share it: all of the path.
+    /// The frames that share it: all of the camera path.
     pub frames: u32,
-    /// IrradianceRecords that the camera sees, and places beyond.
-    pub places: [usize; 2],
-    /// Bytes that the light takes.
+    /// Primary and secondary irradiance records.
+    pub records: [usize; 2],
+    /// Bytes of memory.
     pub bytes: usize,
 }
 
-impl Bake {
-    /// Each frame's share.
+impl BakeCost {
+    /// The part of the seconds that each frame is charged.
     pub fn seconds_per_frame(&self) -> f64 {
         self.seconds / f64::from(self.frames)
     }
 }
 
-/// The light of the whole path as a rendering of the whole sequence works it out, at its own size.
+/// The irradiance cache as a rendering of the whole sequence bakes it, at its own size, and what it took.
 ///
-/// It is worked out once, for all that looks it up: what is wrong with it is the same in every picture, whatever
-/// the seed, and counts as bias.
-pub(super) struct PathLight {
+/// As all frames of all seeds use the same cache, its error counts as bias.
+pub(super) struct BakedCache {
     baked: Baked,
-    pub(super) bake: Bake,
+    pub(super) bake: BakeCost,
 }
 
-impl PathLight {
-    pub(super) fn new(inputs: &Inputs, progress: &mut Progress) -> PathLight {
+impl BakedCache {
+    pub(super) fn new(inputs: &Inputs, progress: &mut Progress) -> BakedCache {
         let settings = Settings {
             mode: Some(Mode::Montecarlo),
             gi: Some(GlobalIllumination::Cached),
@@ -53,17 +54,17 @@ impl PathLight {
                 bake(inputs.scene, inputs.path, "path", &settings, None, listener)
             })
         });
-        let bake = Bake {
+        let bake = BakeCost {
             seconds: seconds.wall,
             cpu_seconds: seconds.cpu,
             frames: inputs.path.timeline().frame_count(),
-            places: baked.cache.record_count(),
+            records: baked.cache.record_count(),
             bytes: baked.cache.memory(),
         };
-        PathLight { baked, bake }
+        BakedCache { baked, bake }
     }
 
-    /// What renders frames of these settings.
+    /// A renderer of these settings, which uses the cache where they ask for it.
     pub(super) fn renderer<'a>(
         &'a self,
         inputs: &Inputs<'a>,
@@ -75,7 +76,7 @@ impl PathLight {
     }
 }
 
-/// About how many paths it takes, for a forecast.
+/// About how many paths baking traces, for the progress.
 pub(super) fn work(inputs: &Inputs) -> f64 {
     let frames = inputs.path.timeline().frame_count();
     PATHS * pixels(inputs.full_size()) * f64::from(frames)

@@ -2,10 +2,13 @@
 //! finds.
 #![allow(clippy::print_stdout, reason = "the seed of a failure is shown")]
 
-use super::*;
+use super::bvh::{Bvh, Traversal};
+use super::ray_packet::RayPacket;
+use crate::geometry::{Hit, Sphere};
+use crate::math::Ray;
 use crate::sampling::Random;
-use crate::simd::PACKET_WIDTH;
-use glam::Vec3Swizzles;
+use crate::simd::{Kernel, PACKET_WIDTH};
+use glam::{Vec3, Vec3Swizzles};
 
 /// Numbers from a fuzzer's bytes, and random numbers after they are used up.
 struct Numbers<'a> {

@@ -1,8 +1,8 @@
 //! Checks of a tree's invariants.
 
-use super::node::{Child, ROOT};
+use super::bvh::Bvh;
+use super::node::{Child, MAX_DEPTH, ROOT, WIDTH};
 use super::rounding::padded;
-use super::{Bvh, MAX_DEPTH, WIDTH};
 use crate::math::Aabb;
 use glam::Vec3;
 use thiserror::Error;

@@ -1,7 +1,6 @@
-//! The tree with its primitives, and the scratch space of its queries.
+//! The tree and its primitives.
 
 use super::node::Node;
-use super::stack::{PacketStack, Stack};
 use super::triangle_block::TriangleBlock;
 use crate::geometry::Sphere;
 use crate::math::Aabb;
@@ -20,15 +19,6 @@ pub struct Bvh {
     /// The largest absolute coordinate.
     pub(super) magnitude: f32,
     pub(super) kernel: Kernel,
-}
-
-/// Scratch space of ray queries, one for each thread, and the count of its rays.
-#[derive(Debug, Default)]
-pub struct Traversal {
-    pub(super) stack: Stack,
-    pub(super) packet_stack: PacketStack,
-    /// How many queries have been answered.
-    pub rays: u64,
 }
 
 impl Bvh {

@@ -46,6 +46,7 @@ mod brute_force;
 mod build;
 mod bvh;
 mod closest_point;
+mod limits;
 mod node;
 mod packet_hits;
 mod packet_intersector;
@@ -53,7 +54,9 @@ mod packet_interval;
 mod query;
 mod ray_packet;
 mod rounding;
+mod single_rays;
 mod stack;
+mod traversal;
 mod traverse;
 mod traverse_packet;
 mod triangle_block;
@@ -61,8 +64,9 @@ mod validate;
 mod watertight;
 
 pub use brute_force::{SAME_DISTANCE, disagreement, nearest_triangle};
-pub use bvh::{Bvh, Traversal};
+pub use bvh::Bvh;
 pub use ray_packet::RayPacket;
+pub use traversal::Traversal;
 pub use validate::BvhError;
 
 #[cfg(any(test, fuzzing))]

@@ -1,16 +1,11 @@
 //! Nodes of eight children, and the ray-box test (slabs with conservative rounding: Ize 2013, "Robust BVH Ray
 //! Traversal", JCGT 2(2)).
 
+use super::limits::WIDTH;
 use super::rounding::{BOX_PADDING, origin_magnitude, padded};
 use crate::math::{Aabb, Ray};
 use crate::simd::Floats;
 use glam::{Vec3, Vec4};
-
-/// The number of children of a node, and of triangles in a block: tested at once.
-pub(super) const WIDTH: usize = 8;
-
-/// The largest depth of a leaf.
-pub(super) const MAX_DEPTH: usize = 79;
 
 /// The index of the root node.
 pub(super) const ROOT: u32 = 0;

@@ -2,7 +2,7 @@
 //! Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays"; Wald, Benthin and Boulos 2008, "Getting Rid of
 //! Packets").
 
-use super::bvh::{Bvh, Traversal};
+use super::bvh::Bvh;
 use super::node::{BoxRay, Child, ROOT};
 use super::query::{DISTANCE_PADDING, record};
 use super::stack::Stack;
@@ -10,30 +10,6 @@ use super::watertight::{ShearedRays, permuted_axes};
 use crate::geometry::Hit;
 use crate::math::Ray;
 use crate::simd::{Floats, Simd, WithSimd};
-
-impl Bvh {
-    /// The closest hit of a ray, or none. The ray's `t_max` is ignored: it only bounds [`Bvh::occluded`].
-    #[inline]
-    pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Option<Hit> {
-        self.query::<false>(ray, traversal).found()
-    }
-
-    /// Whether any primitive lies in the ray's interval.
-    #[inline]
-    pub fn occluded(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
-        !self.query::<true>(ray, traversal).is_miss()
-    }
-
-    #[inline]
-    pub(super) fn query<const ANY_HIT: bool>(&self, ray: &Ray, traversal: &mut Traversal) -> Hit {
-        traversal.rays += 1;
-        self.kernel.run(Traverse::<ANY_HIT> {
-            bvh: self,
-            ray,
-            stack: &mut traversal.stack,
-        })
-    }
-}
 
 /// The closest hit of a ray, or, if `ANY_HIT`, some hit in its interval; [`Hit::MISS`] if there is none.
 pub(super) struct Traverse<'a, const ANY_HIT: bool> {

@@ -1,7 +1,8 @@
 //! Checks of a tree's invariants.
 
 use super::bvh::Bvh;
-use super::node::{Child, MAX_DEPTH, ROOT, WIDTH};
+use super::limits::{MAX_DEPTH, WIDTH};
+use super::node::{Child, ROOT};
 use super::rounding::padded;
 use crate::math::Aabb;
 use glam::Vec3;

@@ -1,8 +1,8 @@
 //! `check`: loads a scene and a camera path, and says what is there and what is wrong with the move.
 
 use super::job_args::{InputArguments, ThreadsArgument};
+use super::outcome::{Failure, Status, warn};
 use super::values::parse_distance;
-use super::{Failure, Status, warn};
 use crate::camera_formats::load_camera_path;
 use crate::input::{InputFiles, load_scene};
 use crate::job::pool;

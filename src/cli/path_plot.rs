@@ -1,7 +1,7 @@
 //! `flythrough path plot`: the plot of a camera path through a scene.
 
+use super::outcome::{Failure, Status, warn, written};
 use super::path_args::PlotArguments;
-use super::{Failure, Status, warn, written};
 use crate::drawing::path_plot::plot;
 use crate::input::Settings;
 use crate::job::Inputs;

@@ -1,6 +1,6 @@
 //! `selftest`: the table of numerically hard cases.
 
-use super::{Failure, Status};
+use super::outcome::{Failure, Status};
 use crate::selftest::CASES;
 use crate::simd::Kernel;
 use rayon::prelude::*;

@@ -1,8 +1,5 @@
 //! Which features of materials a scene uses, known at compile time to the code that shades it.
 
-use super::Material;
-use glam::Vec3;
-
 /// The features that the surfaces of a scene use. Code that is generic over it is compiled for each set: what a
 /// scene does not use costs it no branch and no fetch.
 pub trait Features {
@@ -39,15 +36,11 @@ impl FeatureSet {
     /// How many sets there are.
     pub const COUNT: usize = 16;
 
-    /// The features of materials; `mixes` says whether a triangle mixes some of them.
-    pub fn of<'a>(materials: impl IntoIterator<Item = &'a Material>, mixes: bool) -> FeatureSet {
-        let mut set = usize::from(mixes) << 3;
-        for material in materials {
-            set |= usize::from(material.texture.is_some());
-            set |= usize::from(material.specular != Vec3::ZERO) << 1;
-            set |= usize::from(material.reflective != Vec3::ZERO) << 2;
-        }
-        FeatureSet(set)
+    /// A set of features; `mixtures` says whether a triangle mixes the materials of its vertices.
+    pub fn new(textures: bool, highlights: bool, mirrors: bool, mixtures: bool) -> FeatureSet {
+        let flags = [textures, highlights, mirrors, mixtures];
+        let bits = (0..).zip(flags).map(|(bit, flag)| usize::from(flag) << bit);
+        FeatureSet(bits.sum())
     }
 
     /// The number of the set, below [`FeatureSet::COUNT`].

@@ -86,7 +86,7 @@ cases! {
         slivers, "a sliver of 1 to 1e-7 among others": "rays that pass between", at most 0.0;
         sliver_normals, "normals of slivers": "sine of the angle to the exact one", at most 2e-7;
         coincident, "100,000 triangles in one place": "hits of another than the first", at most 0.0;
-        without_area, "corners that coincide or lie in line": "not dropped, not counted", at most 0.0;
+        without_area, "vertices that coincide or lie in line": "not dropped, not counted", at most 0.0;
     }
     boxes {
         brute_force, "2 x 1,000,000 rays, double precision": "other hits than brute force", at most 0.0;

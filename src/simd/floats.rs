@@ -1,4 +1,4 @@
-//! The operations of a vector of floats.
+//! Lanes of floats: the operations that every instruction set has.
 
 /// The number of rays of a packet, and of points that are shaded or looked up together.
 pub const PACKET_WIDTH: usize = 16;

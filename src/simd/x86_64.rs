@@ -7,7 +7,7 @@
 use super::floats::Floats;
 use std::arch::x86_64::*;
 
-/// Defines lanes in one register. Values exist only inside [`Kernel::run`](crate::simd::Kernel::run), compiled for the
+/// Defines lanes in one register. Values exist only inside [`Kernel::run`](super::Kernel::run), compiled for the
 /// instructions and called only where the processor has them: every `unsafe` block relies on that.
 macro_rules! register {
     ($(#[$doc:meta])* $name:ident, $register:ty, $lanes:literal,

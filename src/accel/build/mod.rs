@@ -5,7 +5,8 @@ mod reference;
 mod split;
 
 use super::bvh::Bvh;
-use super::node::{Child, MAX_DEPTH, Node, WIDTH};
+use super::limits::{MAX_DEPTH, WIDTH};
+use super::node::{Child, Node};
 use super::triangle_block::TriangleBlock;
 use crate::geometry::Sphere;
 use crate::math::Aabb;
@@ -30,46 +31,50 @@ impl Bvh {
     ///
     /// Coordinates are finite; there are fewer than 2^30 of either.
     pub fn new(triangles: &[[Vec3; 3]], spheres: Vec<Sphere>, kernel: Kernel) -> Bvh {
-        let first_sphere = triangles.len() as u32;
-        let boxes = triangles.par_iter().map(|vertices| Aabb::of(*vertices));
-        let mut references: Vec<Reference> = boxes
-            .chain(spheres.par_iter().map(Sphere::bounds))
-            .zip(0..first_sphere + spheres.len() as u32)
-            .map(|(bounds, id)| Reference::new(bounds, id))
-            .collect();
-        let extent = Extent::of(&references);
-        let bounds = extent.bounds();
-        let mut tree = Tree::with_capacity(references.len());
-        let builder = Builder {
-            triangles,
-            first_sphere,
-        };
-        let root = Range {
-            begin: 0,
-            end: references.len(),
-            depth: 0,
-            extent,
-        };
-        builder.add_node(&mut references, root, &mut tree);
-        if tree.blocks.len() <= MAX_WITHOUT_TREE && spheres.len() <= MAX_WITHOUT_TREE {
-            tree.nodes.clear();
-        }
-        let leaf = match tree.blocks.is_empty() {
-            true => Child::Sphere(0),
-            false => Child::Triangles(0),
-        };
-        for node in &mut tree.nodes {
-            node.fill_empty(leaf);
-        }
-        Bvh {
-            nodes: tree.nodes,
-            blocks: tree.blocks,
-            spheres,
-            first_sphere,
-            bounds,
-            magnitude: bounds.max.max(-bounds.min).max_element().max(0.0),
-            kernel,
-        }
+        build(triangles, spheres, kernel)
+    }
+}
+
+fn build(triangles: &[[Vec3; 3]], spheres: Vec<Sphere>, kernel: Kernel) -> Bvh {
+    let first_sphere = triangles.len() as u32;
+    let boxes = triangles.par_iter().map(|vertices| Aabb::of(*vertices));
+    let mut references: Vec<Reference> = boxes
+        .chain(spheres.par_iter().map(Sphere::bounds))
+        .zip(0..first_sphere + spheres.len() as u32)
+        .map(|(bounds, id)| Reference::new(bounds, id))
+        .collect();
+    let extent = Extent::of(&references);
+    let bounds = extent.bounds();
+    let mut tree = Tree::with_capacity(references.len());
+    let builder = Builder {
+        triangles,
+        first_sphere,
+    };
+    let root = Range {
+        begin: 0,
+        end: references.len(),
+        depth: 0,
+        extent,
+    };
+    builder.add_node(&mut references, root, &mut tree);
+    if tree.blocks.len() <= MAX_WITHOUT_TREE && spheres.len() <= MAX_WITHOUT_TREE {
+        tree.nodes.clear();
+    }
+    let leaf = match tree.blocks.is_empty() {
+        true => Child::Sphere(0),
+        false => Child::Triangles(0),
+    };
+    for node in &mut tree.nodes {
+        node.fill_empty(leaf);
+    }
+    Bvh {
+        nodes: tree.nodes,
+        blocks: tree.blocks,
+        spheres,
+        first_sphere,
+        bounds,
+        magnitude: bounds.max.max(-bounds.min).max_element().max(0.0),
+        kernel,
     }
 }
 

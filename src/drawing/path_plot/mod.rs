@@ -2,6 +2,7 @@
 //!
 //! Knows nothing of files or terminals.
 
+mod area;
 mod axis;
 mod charts;
 mod cutaway;
@@ -17,9 +18,6 @@ mod view;
 use crate::camera::CameraPath;
 use crate::scene::Scene;
 use motion::Motion;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
-use plotters::prelude::SVGBackend;
 use region::Region;
 use sheet::Sheet;
 use std::error::Error;
@@ -29,11 +27,6 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[error("the plot of a camera path: {0}")]
 pub struct PlotError(Box<dyn Error + Send + Sync>);
-
-/// A drawing area of plotters, in units of the sheet.
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
-type Drawn = Result<(), Box<dyn Error>>;
 
 /// The text of an SVG file that plots a camera path through a scene.
 ///

@@ -1,6 +1,8 @@
 //! The sheet: title, legend, plan, elevation and charts, drawn to SVG.
 
+use super::area::{Area, Drawn};
 use super::axis::label;
+use super::charts;
 use super::cutaway::{SECTION, SOLID, cutaway};
 use super::layout::{Cell, HEAD, Layout, SIZE, px};
 use super::motion::Motion;
@@ -8,7 +10,6 @@ use super::overlay::{DOT, END, FRUSTUM, LINE, Marks, START, write};
 use super::panel::{Panel, SheetPoint};
 use super::region::Region;
 use super::view::View;
-use super::{Area, Drawn, charts};
 use crate::drawing::chart::FONT;
 use crate::scene::Scene;
 use base64::Engine;

@@ -1,8 +1,8 @@
 //! Vectors of floats with the same bits on every processor, and the one choice of instruction set.
 //!
-//! Code is written once over [`Simd`] and [`Floats`] as a [`WithSimd`] task, and a [`Kernel`] runs it compiled
-//! for the instruction set of the processor. [`PortableFloats`] are plain arrays; the others are the same
-//! arithmetic in vector registers. Apart from [`Floats::mul_sub`] nothing is fused or reordered, so all
+//! Code is written once over `Simd` and `Floats` as a `WithSimd` task, and a [`Kernel`] runs it compiled
+//! for the instruction set of the processor. `PortableFloats` are plain arrays; the others are the same
+//! arithmetic in vector registers. Apart from `Floats::mul_sub` nothing is fused or reordered, so all
 //! kernels give the same results to the bit.
 
 mod floats;

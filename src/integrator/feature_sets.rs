@@ -1,6 +1,6 @@
 //! Code compiled for each set of material features.
 
-/// An array of a generic function's instances, one for each set of features, by [`FeatureSet::number`].
+/// An array of a generic function's instances, one for each set of features, by [`FeatureSet::number`](crate::material::FeatureSet::number).
 macro_rules! for_each_feature_set {
     ($($function:tt)+) => {{
         use crate::material::Only;

@@ -14,7 +14,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-rays="" mitsuba="" povray=""
+rays='' mitsuba='' povray=''
 while [ $# -gt 0 ]; do
     case $1 in
         --rays) rays=$(cd "${2:?--rays needs a folder}" && pwd) ;;

@@ -3,6 +3,10 @@
 //! It is taken from sources, so it is the same for debug and release, on whatever machine they are compiled: the code of
 //! all rooms but those that only ask for frames or look at them, and the versions of the libraries that read inputs,
 //! compute or encode. Comments, blank lines, indentation and tests do not count.
+#![expect(
+    clippy::print_stdout,
+    reason = "cargo reads what a build script prints"
+)]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::Hasher;

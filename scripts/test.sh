@@ -1,52 +1,104 @@
 #!/usr/bin/env bash
-# Everything that proves the project: format, lints, docs, tests, both videos made small, and two farms.
+# Tests the project.
+#
+#   scripts/test.sh [quick|default|thorough]
+#
+#   quick     before each commit, under 2 minutes once it is built: format, and all tests at their smallest
+#   default   what CI runs: lints, documentation, tests, the release build beside the checked one, both videos
+#             small, and two farms
+#   thorough  before a release: all of it at full size, processes killed by the hundred, hours of random input
+#
+# Tests run in the dev profile, which is the release build's code with checks of overflow and debug assertions.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+
+export FLYTHROUGH_TEST_TIER=${1:-default}
+tier=$FLYTHROUGH_TEST_TIER
+case $tier in
+    quick | default | thorough) ;;
+    *) echo "usage: $0 [quick|default|thorough]" >&2; exit 2 ;;
+esac
+
+# Says what begins, and how long it took in the end.
+step() {
+    [ -z "${name:-}" ] || printf '   %s: %d s\n' "$name" $((SECONDS - start))
+    name=$* start=$SECONDS
+    printf '\n== %s\n' "$name"
+}
+
+if [ "$tier" = quick ]; then
+    step Format
+    cargo fmt --check
+    step Tests
+    cargo test --quiet
+    step "All passed"
+    exit
+fi
 
 missing=()
 command -v ffmpeg >/dev/null || missing+=(ffmpeg)
 command -v slurmctld >/dev/null || missing+=(munge slurmctld slurmd slurm-client)
+command -v shellcheck >/dev/null || missing+=(shellcheck)
 command -v pgrep >/dev/null || missing+=(procps)
 python3 -c "import ensurepip" 2>/dev/null || missing+=(python3-venv)
 if [ ${#missing[@]} -gt 0 ]; then
+    step "Installing ${missing[*]}"
     root=; [ "$(id -u)" -eq 0 ] || root=sudo
     $root apt-get update -qq
     $root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "${missing[@]}" >/dev/null
 fi
+openjd=target/openjd
+if [ ! -x $openjd/bin/openjd ]; then
+    step "Installing openjd-cli"
+    python3 -m venv $openjd
+    $openjd/bin/pip install --quiet openjd-cli
+fi
 
-step() { printf '\n== %s\n' "$*"; }
 step Format
 cargo fmt --check
 cargo fmt --check --manifest-path tests/fuzz/Cargo.toml
 step Lints
+shellcheck .ci/{run,tool,dependencies,minimum_rust} scripts/*.sh tests/farm/*.sh
 cargo clippy --quiet --all-targets -- -D warnings
+step "Dependencies: licences, sources, advisories, notices"
+.ci/dependencies
 step Documentation
 RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps --document-private-items
+step "Tests, built"
+cargo test --quiet --no-run
 step Tests
-cargo test --quiet --release
-step "Random hostile scenes, for ${FUZZ_SECONDS:=20} seconds"
-FUZZ_SECONDS=$FUZZ_SECONDS cargo test --quiet --release --lib fuzz -- --ignored
+if [ "$tier" = thorough ]; then
+    FUZZ_SECONDS=${FUZZ_SECONDS:-300} cargo test --quiet -- --include-ignored
+else
+    cargo test --quiet
+fi
+step "The release build, built"
+cargo build --quiet --release
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
-step "Debug build: its checks hold, and its frames are the release build's"
-cargo run --quiet -- selftest
-for build in "" --release; do
-    cargo run --quiet $build -- render scenes/test2.ron paths/zoom.ron --out "$out/build$build" \
+step "The release build: its self-test, and its frames are those of the checked build"
+target/release/flythrough selftest
+for build in debug release; do
+    target/$build/flythrough render scenes/test2.ron paths/zoom.ron --out "$out/$build" \
         --frames 0,40 --size 96x54 --mode montecarlo-supersampling --splits 2 --quiet
 done
-for frame in "$out"/build/*.png; do
-    cmp "$frame" "$out/build--release/${frame##*/}"
+for frame in "$out"/debug/*.png; do
+    cmp "$frame" "$out/release/${frame##*/}"
 done
 step "Both videos, small"
 scripts/render_videos.sh "$out" --size 160x90 --splits 4
-for name in translate_rotate zoom; do
-    ffprobe -v error -show_entries format=duration -of "csv=p=0:s=,:nk=1" "$out/$name.mp4" \
-        | sed "s/^/$name.mp4 lasts, in seconds: /"
+for video in translate_rotate zoom; do
+    ffprobe -v error -show_entries format=duration -of "csv=p=0:s=,:nk=1" "$out/$video.mp4" \
+        | sed "s/^/$video.mp4 lasts, in seconds: /"
 done
 step "A farm: Slurm"
-tests/farm/slurm.sh
+tests/farm/slurm.sh "$out/local"
 step "A farm: Open Job Description"
-openjd=target/openjd
-[ -x $openjd/bin/openjd ] || { python3 -m venv $openjd && $openjd/bin/pip install --quiet openjd-cli; }
-PATH=$PWD/$openjd/bin:$PATH tests/farm/openjd.sh
+PATH=$PWD/$openjd/bin:$PATH tests/farm/openjd.sh "$out/local"
+if [ "$tier" = thorough ]; then
+    step "The minimum version of Rust"
+    .ci/minimum_rust
+    step "Fuzzing"
+    scripts/fuzz.sh "${FUZZ_SECONDS:-300}"
+fi
 step "All passed"

@@ -37,8 +37,8 @@
 //!
 //! | layer | modules | never know |
 //! |---|---|---|
-//! | 0 | [`math`], [`storage`] | anything above |
-//! | 1 | [`sampling`], [`geometry`], [`texture`], [`film`] | files, threads, the scene |
+//! | 0 | [`math`], [`sampling`], [`storage`] | anything above |
+//! | 1 | [`simd`], [`geometry`], [`texture`], [`film`] | files, threads, the scene |
 //! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`metrics`], [`irradiance_cache`] | each other, files, threads |
 //! | 3 | [`scene`] | how light is gathered, files |
 //! | 4 | [`integrator`] | pixels, frames, time |
@@ -80,5 +80,6 @@ pub mod sampling;
 pub mod scene;
 #[cfg(feature = "cli")]
 pub mod selftest;
+pub mod simd;
 pub mod storage;
 pub mod texture;

@@ -6,27 +6,27 @@ use std::f32::consts::PI;
 /// How a light's colour falls off with distance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Falloff {
-    /// I / (pi d^2): physical; the intensity is in W/sr.
+    /// I / (pi d^2): physical; the intensity is in W/sr. The 1/pi is that of the Lambert BRDF.
     InverseSquare,
     /// I at every distance.
     Constant,
 }
 
-/// A light without size, alike in all directions.
+/// An isotropic point light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointLight {
-    /// World-space position.
+    /// Position, relative to the scene's origin, in metres.
     pub position: Vec3,
     /// Linear RGB intensity I.
     pub intensity: Vec3,
-    /// What distance does to it.
+    /// How its colour falls off with distance.
     pub falloff: Falloff,
 }
 
 impl PointLight {
-    /// The light's colour C at a squared distance: what kd cos is multiplied by.
+    /// The light's colour C at a squared distance: the factor on kd cos.
     ///
-    /// Black where it would not be finite: a point at the light has no direction to it.
+    /// Black where it would not be finite: at the light itself there is no direction to it.
     #[inline]
     pub fn color_at(&self, distance_squared: f32) -> Vec3 {
         let color = match self.falloff {

@@ -1,4 +1,5 @@
-//! The modules of the crate import only from lower layers of the table in `src/lib.rs`.
+//! The modules of the crate import only from lower layers of the table in `src/lib.rs`, and no source files
+//! import each other in a circle.
 //!
 //! Imports are read from the source text: `use` declarations and paths within code, tests included, comments
 //! and strings not.
@@ -78,6 +79,24 @@ fn the_table_of_layers_has_every_module_once() {
         .collect();
     let layers = layers(&text);
     assert_eq!(layers.keys().cloned().collect::<BTreeSet<_>>(), declared);
+}
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let circles = circles(&read_crate());
+    assert!(circles.is_empty(), "\n{circles}");
+}
+
+#[test]
+fn every_file_says_what_it_holds() {
+    let mut silent = Vec::new();
+    for file in read_crate().into_values() {
+        let text = fs::read_to_string(root().join(&file.name)).expect("text");
+        if !text.starts_with("//! ") {
+            silent.push(file.name);
+        }
+    }
+    assert!(silent.is_empty(), "without `//!` at the top: {silent:#?}");
 }
 
 #[test]

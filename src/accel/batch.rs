@@ -1,180 +1,154 @@
-//! Many rays at once: in packets as they come, or in waves of rays that have nothing in common.
+//! Queries of many rays: coherent rays in packets as they come, incoherent rays one by one or, where there is
+//! no tree, gathered into packets.
 
-use super::lanes::{ALL, Packet};
-use super::sight::{Points, Sight};
+use super::ray_packet::RayPacket;
+use super::traverse_packet::TraversePacket;
 use super::watertight::permuted_axes;
-use super::{Bvh, NOTHING, PACKET, Traversal, kernel};
+use super::{Bvh, Traversal};
 use crate::geometry::Hit;
-use crate::math::{NO_PRIMITIVE, Ray};
-use glam::Vec3;
+use crate::math::Ray;
+use crate::simd::{ALL_LANES, PACKET_WIDTH};
 use std::borrow::Borrow;
 
 impl Bvh {
-    /// The nearest primitive that each ray meets, sixteen at a time, as [`Bvh::closest`].
+    /// The closest hit of each ray, sixteen at a time, as [`Bvh::closest`].
     ///
-    /// Fast if the rays run side by side, with the same results if they do not.
-    pub fn closest_of_packet(
+    /// Fast for coherent rays, with the same results for any.
+    pub fn closest_coherent(
         &self,
         rays: &[Ray],
         hits: &mut [Option<Hit>],
         traversal: &mut Traversal,
     ) {
-        for (rays, hits) in rays.chunks(PACKET).zip(hits.chunks_mut(PACKET)) {
-            let (packet, rays) = (Packet::of(rays), rays.iter().enumerate());
-            let say = |lane: usize, hit| hits[lane] = some(hit);
-            self.answer_packet::<false, _>(&packet, rays, traversal, say);
+        for (rays, hits) in rays.chunks(PACKET_WIDTH).zip(hits.chunks_mut(PACKET_WIDTH)) {
+            let (packet, rays) = (RayPacket::new(rays), rays.iter().enumerate());
+            let emit = |lane: usize, hit: Hit| hits[lane] = hit.found();
+            self.query_packet::<false, _>(&packet, rays, traversal, emit);
         }
     }
 
-    /// The nearest primitive that each of any number of rays meets, as [`Bvh::closest`].
+    /// The closest hit of each of any number of rays, as [`Bvh::closest`].
     ///
     /// Faster than one ray after the other where there is no tree.
-    pub fn closest_of_wave(
+    pub fn closest_incoherent(
         &self,
         rays: &[Ray],
         hits: &mut [Option<Hit>],
         traversal: &mut Traversal,
     ) {
         let rays = rays.iter().enumerate();
-        self.answer_wave::<false, _>(rays, traversal, |number, hit| hits[number] = some(hit));
+        self.query_incoherent::<false, _>(rays, traversal, |index, hit| hits[index] = hit.found());
     }
 
-    /// Whether anything lies in the interval of each ray, sixteen at a time, as [`Bvh::occluded`].
-    pub fn occluded_of_packet(
-        &self,
-        rays: &[Ray],
-        occluded: &mut [bool],
-        traversal: &mut Traversal,
-    ) {
-        for (rays, occluded) in rays.chunks(PACKET).zip(occluded.chunks_mut(PACKET)) {
-            let (packet, rays) = (Packet::of(rays), rays.iter().enumerate());
-            let say = |lane: usize, hit| occluded[lane] = some(hit).is_some();
-            self.answer_packet::<true, _>(&packet, rays, traversal, say);
-        }
-    }
-
-    /// How points see a target if nothing is in the way.
-    pub fn look(&self, points: &Points, target: Vec3) -> Sight {
-        kernel::look(self, points, target)
-    }
-
-    /// A bit for each ray of a sight that has something in its interval. Fast if they run side by side.
-    pub fn occluded_of_sight(&self, sight: &Sight, traversal: &mut Traversal) -> u32 {
-        let mut bits = 0;
-        if sight.facing() != 0 {
-            let packet = &sight.rays;
-            self.answer_packet::<true, _>(packet, packet.numbered(), traversal, |lane, hit| {
-                bits |= u32::from(some(hit).is_some()) << lane;
+    /// The mask of the active rays of a packet that have something in their interval, as [`Bvh::occluded`].
+    ///
+    /// Fast for coherent rays, with the same result for any.
+    pub fn occluded_coherent(&self, packet: &RayPacket, traversal: &mut Traversal) -> u32 {
+        let mut occluded = 0;
+        if packet.active != 0 {
+            let rays = packet.active_rays();
+            self.query_packet::<true, _>(packet, rays, traversal, |lane, hit| {
+                occluded |= u32::from(!hit.is_miss()) << lane;
             });
         }
-        bits
+        occluded
     }
 
-    /// As [`Bvh::occluded_of_sight`], of sights all over the scene: faster than one after the other
-    /// where there is no tree.
-    pub fn occluded_of_sights(&self, sights: &[Sight], traversal: &mut Traversal) -> Vec<u32> {
-        let mut bits = vec![0; sights.len()];
+    /// As [`Bvh::occluded_coherent`], of packets of incoherent rays.
+    ///
+    /// Faster than one ray after the other where there is no tree.
+    pub fn occluded_incoherent<'a>(
+        &self,
+        packets: impl ExactSizeIterator<Item = &'a RayPacket>,
+        traversal: &mut Traversal,
+    ) -> Vec<u32> {
+        let mut occluded = vec![0; packets.len()];
         // Written out first: a ray that is read whole right after its parts were written waits for them.
-        let mut rays: Vec<(usize, Ray)> = Vec::with_capacity(sights.len() * PACKET);
-        for (number, sight) in sights.iter().enumerate() {
-            let of_sight = sight.rays.numbered();
-            rays.extend(of_sight.map(|(lane, ray)| (number * PACKET + lane, ray)));
+        let mut rays: Vec<(usize, Ray)> = Vec::with_capacity(packets.len() * PACKET_WIDTH);
+        for (index, packet) in packets.enumerate() {
+            let of_packet = packet.active_rays();
+            rays.extend(of_packet.map(|(lane, ray)| (index * PACKET_WIDTH + lane, ray)));
         }
-        let rays = rays.iter().map(|(place, ray)| (*place, ray));
-        self.answer_wave::<true, _>(rays, traversal, |place, hit| {
-            bits[place / PACKET] |= u32::from(some(hit).is_some()) << (place % PACKET);
+        let rays = rays.iter().map(|(index, ray)| (*index, ray));
+        self.query_incoherent::<true, _>(rays, traversal, |index, hit| {
+            occluded[index / PACKET_WIDTH] |= u32::from(!hit.is_miss()) << (index % PACKET_WIDTH);
         });
-        bits
+        occluded
     }
 
-    /// Says what each ray of a packet meets, by its lane; if `ANY`, only whether anything lies in its
-    /// interval. `rays` are the same, numbered by their lanes.
+    /// Emits the hit of each active ray of a packet with its lane; if `ANY_HIT`, some hit in its interval.
+    /// `rays` are the same rays with their lanes.
     #[inline]
-    fn answer_packet<const ANY: bool, R: Borrow<Ray>>(
+    fn query_packet<const ANY_HIT: bool, R: Borrow<Ray>>(
         &self,
-        packet: &Packet,
+        packet: &RayPacket,
         rays: impl Iterator<Item = (usize, R)>,
         traversal: &mut Traversal,
-        mut say: impl FnMut(usize, Hit),
+        mut emit: impl FnMut(usize, Hit),
     ) {
-        if let Some(found) = self.try_packet::<ANY>(packet, traversal) {
-            packet.lanes().for_each(|lane| say(lane, found[lane]));
+        if let Some(hits) = self.try_packet::<ANY_HIT>(packet, traversal) {
+            let lanes = packet.active_lanes();
+            lanes.for_each(|lane| emit(lane, hits[lane]));
         } else {
-            self.answer_wave::<ANY, _>(rays, traversal, say);
+            self.query_incoherent::<ANY_HIT, _>(rays, traversal, emit);
         }
     }
 
-    /// What each ray of a packet meets, if they have enough in common.
+    /// The hits of the rays of a packet; none if the rays are not coherent enough.
     #[inline]
-    fn try_packet<const ANY: bool>(
+    fn try_packet<const ANY_HIT: bool>(
         &self,
-        packet: &Packet,
+        packet: &RayPacket,
         traversal: &mut Traversal,
-    ) -> Option<[Hit; PACKET]> {
-        let found = kernel::packet::<ANY>(self, packet, &mut traversal.packet_stack)?;
-        traversal.rays += u64::from(packet.used.count_ones());
-        Some(found)
+    ) -> Option<[Hit; PACKET_WIDTH]> {
+        let hits = self.kernel.run(TraversePacket::<ANY_HIT> {
+            bvh: self,
+            packet,
+            stack: &mut traversal.packet_stack,
+        })?;
+        traversal.rays += u64::from(packet.active.count_ones());
+        Some(hits)
     }
 
-    /// As [`Bvh::answer_packet`], of numbered rays that have nothing in common: in packets by their main
-    /// axes where there is no tree, otherwise one by one.
+    /// As [`Bvh::query_packet`], of numbered incoherent rays: in packets by their major axes where there is no
+    /// tree, otherwise one by one.
     #[inline]
-    fn answer_wave<const ANY: bool, R: Borrow<Ray>>(
+    fn query_incoherent<const ANY_HIT: bool, R: Borrow<Ray>>(
         &self,
         rays: impl Iterator<Item = (usize, R)>,
         traversal: &mut Traversal,
-        mut say: impl FnMut(usize, Hit),
+        mut emit: impl FnMut(usize, Hit),
     ) {
-        if self.nodes.is_empty() {
-            let mut packets = [Packet::EMPTY; 3];
-            let mut numbers = [[0; PACKET]; 3];
-            let mut answer = |packet: &Packet, numbers: &[usize; PACKET]| {
-                let found = self.try_packet::<ANY>(packet, traversal);
-                let found = found.expect("one main axis is enough where there is no tree");
-                packet.lanes().for_each(|l| say(numbers[l], found[l]));
-            };
-            for (number, ray) in rays {
-                let ray = ray.borrow();
-                let axis = permuted_axes(ray.direction)[2];
-                let (packet, numbers) = (&mut packets[axis], &mut numbers[axis]);
-                numbers[packet.used.count_ones() as usize % PACKET] = number;
-                packet.push(ray);
-                if packet.used == ALL {
-                    answer(packet, numbers);
-                    packet.used = 0;
-                }
+        if !self.nodes.is_empty() {
+            for (index, ray) in rays {
+                emit(index, self.query::<ANY_HIT>(ray.borrow(), traversal));
             }
-            for (packet, numbers) in packets.iter_mut().zip(&numbers) {
-                if packet.used != 0 {
-                    packet.fill();
-                    answer(packet, numbers);
-                }
+            return;
+        }
+        let mut packets = [RayPacket::EMPTY; 3];
+        let mut indices = [[0; PACKET_WIDTH]; 3];
+        let mut flush = |packet: &RayPacket, indices: &[usize; PACKET_WIDTH]| {
+            let hits = self.try_packet::<ANY_HIT>(packet, traversal);
+            let hits = hits.expect("a common major axis is enough where there is no tree");
+            let lanes = packet.active_lanes();
+            lanes.for_each(|lane| emit(indices[lane], hits[lane]));
+        };
+        for (index, ray) in rays {
+            let ray = ray.borrow();
+            let axis = permuted_axes(ray.direction)[2];
+            let (packet, indices) = (&mut packets[axis], &mut indices[axis]);
+            indices[packet.active.count_ones() as usize % PACKET_WIDTH] = index;
+            packet.push(ray);
+            if packet.active == ALL_LANES {
+                flush(packet, indices);
+                packet.active = 0;
             }
-        } else if ANY {
-            for (number, ray) in rays {
-                let is_occluded = self.occluded(ray.borrow(), traversal);
-                let primitive = if is_occluded { 0 } else { NO_PRIMITIVE };
-                say(
-                    number,
-                    Hit {
-                        primitive,
-                        ..NOTHING
-                    },
-                );
-            }
-        } else {
-            for (number, ray) in rays {
-                say(
-                    number,
-                    self.closest(ray.borrow(), traversal).unwrap_or(NOTHING),
-                );
+        }
+        for (packet, indices) in packets.iter_mut().zip(&indices) {
+            if packet.active != 0 {
+                packet.fill_inactive();
+                flush(packet, indices);
             }
         }
     }
-}
-
-/// None for [`NOTHING`].
-#[inline]
-fn some(hit: Hit) -> Option<Hit> {
-    (hit.primitive != NO_PRIMITIVE).then_some(hit)
 }

@@ -1,12 +1,13 @@
-//! Random hostile scenes: the tree, every kernel and packets find exactly what testing every primitive
+//! Random scenes of hard cases: the tree, every kernel and packets find exactly what testing every primitive
 //! finds.
 #![allow(clippy::print_stdout, reason = "the seed of a failure is shown")]
 
 use super::*;
 use crate::sampling::Random;
+use crate::simd::PACKET_WIDTH;
 use glam::Vec3Swizzles;
 
-/// Numbers that a fuzzer chooses, and then those of a generator.
+/// Numbers from a fuzzer's bytes, and random numbers after they are used up.
 struct Numbers<'a> {
     bytes: &'a [u8],
     random: Random,
@@ -64,14 +65,14 @@ fn fuzz() {
 }
 
 #[test]
-fn a_few_hostile_scenes() {
+fn a_few_random_scenes() {
     for seed in 0..300 {
         check_scene_of_seed(seed * 7919);
     }
 }
 
-/// A scene of one kind of hostile shapes, at some scale and place, and rays that are aimed at what is
-/// hardest: corners, edges, along axes, from on the shapes.
+/// A scene of one kind of difficult shapes, at some scale and place, and rays to vertices and edges, along axes
+/// and from points on the shapes.
 fn check_scene(random: &mut Numbers) {
     let pick = |random: &mut Numbers, count: usize| (random.unit() * count as f32) as usize;
     let scale = 10_f32.powi(pick(random, 13) as i32 - 6);
@@ -83,15 +84,15 @@ fn check_scene(random: &mut Numbers) {
         .map(|i| {
             let at = random.vector(1.0);
             let (a, b) = (random.vector(0.3), random.vector(0.3));
-            let corners = match kind {
+            let vertices = match kind {
                 // Soup; on a grid, flat; needles; fans around few points; many at one place.
                 0 => [at, at + a, at + b],
                 1 => {
-                    let mut corners = [at, at + a, at + b].map(|p| snap(p, 8.0));
-                    for corner in &mut corners {
-                        corner[i % 3] = snap(at, 2.0)[i % 3];
+                    let mut vertices = [at, at + a, at + b].map(|p| snap(p, 8.0));
+                    for vertex in &mut vertices {
+                        vertex[i % 3] = snap(at, 2.0)[i % 3];
                     }
-                    corners
+                    vertices
                 }
                 2 => [at, at + a, at + a * 0.5 + b * 1e-7],
                 3 => [
@@ -101,7 +102,7 @@ fn check_scene(random: &mut Numbers) {
                 ],
                 _ => [Vec3::ZERO, Vec3::X, Vec3::Y],
             };
-            corners.map(|p| p * scale + shift)
+            vertices.map(|p| p * scale + shift)
         })
         .collect();
     let spheres: Vec<Sphere> = (0..sphere_count)
@@ -115,12 +116,12 @@ fn check_scene(random: &mut Numbers) {
             let size = [0.5, 1.0, 3.0, 100.0][pick(random, 4)];
             let mut origin = random.vector(size);
             let mut direction = random.vector(1.0);
-            if let Some(corners) = triangles.get(i) {
-                let corner = (corners[i % 3] - shift) / scale;
+            if let Some(vertices) = triangles.get(i) {
+                let vertex = (vertices[i % 3] - shift) / scale;
                 match pick(random, 4) {
-                    0 => direction = corner - origin,
-                    1 => origin = corner,
-                    2 => direction = corner.lerp((corners[0] - shift) / scale, 0.5) - origin,
+                    0 => direction = vertex - origin,
+                    1 => origin = vertex,
+                    2 => direction = vertex.lerp((vertices[0] - shift) / scale, 0.5) - origin,
                     _ => {}
                 }
             }
@@ -156,13 +157,21 @@ fn check_scene(random: &mut Numbers) {
     }
 }
 
-/// Rays of a wave and of a packet find what they find alone: as they come, and side by side.
+/// Whether each ray is occluded, by packets of rays as they come.
+fn occluded_in_packets(bvh: &Bvh, rays: &[Ray], traversal: &mut Traversal) -> Vec<bool> {
+    let of_packet = |rays: &[Ray]| {
+        let occluded = bvh.occluded_coherent(&RayPacket::new(rays), traversal);
+        (0..rays.len()).map(move |lane| occluded >> lane & 1 != 0)
+    };
+    rays.chunks(PACKET_WIDTH).flat_map(of_packet).collect()
+}
+
+/// Incoherent rays and rays of a packet find what they find alone: as they come, and side by side.
 pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
     let mut traversal = Traversal::default();
     let mut hits = vec![None; rays.len()];
-    bvh.closest_of_wave(rays, &mut hits, &mut traversal);
-    let mut occluded = vec![false; rays.len()];
-    bvh.occluded_of_packet(rays, &mut occluded, &mut traversal);
+    bvh.closest_incoherent(rays, &mut hits, &mut traversal);
+    let occluded = occluded_in_packets(bvh, rays, &mut traversal);
     for ((ray, hit), occluded) in rays.iter().zip(hits).zip(occluded) {
         assert_eq!(hit, bvh.closest(ray, &mut traversal), "{ray:?}");
         assert_eq!(occluded, bvh.occluded(ray, &mut traversal), "{ray:?}");
@@ -174,11 +183,11 @@ pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
     let beside: Vec<Ray> = rays
         .iter()
         .step_by(8)
-        .flat_map(|ray| (0..PACKET).map(move |i| beside(ray, i)))
+        .flat_map(|ray| (0..PACKET_WIDTH).map(move |i| beside(ray, i)))
         .collect();
-    for rays in rays.chunks(PACKET).chain(beside.chunks(PACKET)) {
+    for rays in rays.chunks(PACKET_WIDTH).chain(beside.chunks(PACKET_WIDTH)) {
         let mut hits = vec![None; rays.len()];
-        bvh.closest_of_packet(rays, &mut hits, &mut traversal);
+        bvh.closest_coherent(rays, &mut hits, &mut traversal);
         for (ray, hit) in rays.iter().zip(&hits) {
             assert_eq!(*hit, bvh.closest(ray, &mut traversal), "{ray:?}");
         }
@@ -189,8 +198,7 @@ pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
                 ..*ray
             })
             .collect();
-        let mut occluded = vec![false; rays.len()];
-        bvh.occluded_of_packet(&shadow_rays, &mut occluded, &mut traversal);
+        let occluded = occluded_in_packets(bvh, &shadow_rays, &mut traversal);
         for (ray, occluded) in shadow_rays.iter().zip(occluded) {
             assert_eq!(occluded, bvh.occluded(ray, &mut traversal), "{ray:?}");
         }

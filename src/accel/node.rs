@@ -1,13 +1,16 @@
+//! Nodes of eight children, and the ray-box test (slabs with conservative rounding: Ize 2013, "Robust BVH Ray
+//! Traversal", JCGT 2(2)).
+
 use super::WIDTH;
-use super::rounding::{GROWTH, grown, reach};
-use super::simd::Floats;
+use super::rounding::{BOX_PADDING, origin_magnitude, padded};
 use crate::math::{Aabb, Ray};
+use crate::simd::Floats;
 use glam::{Vec3, Vec4};
 
-/// The node that holds all.
+/// The index of the root node.
 pub(super) const ROOT: u32 = 0;
 
-/// A word that says what a child is: two bits of kind, thirty of index.
+/// A child of a node; packed into a word of two bits of kind and thirty of index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Child {
     Node(u32),
@@ -24,8 +27,8 @@ impl Child {
         }
     }
 
-    /// The same child after `nodes` nodes and `blocks` blocks were put before.
-    pub(super) fn shifted(self, nodes: u32, blocks: u32) -> Child {
+    /// The same child after `nodes` nodes and `blocks` blocks were inserted before it.
+    pub(super) fn with_offset(self, nodes: u32, blocks: u32) -> Child {
         match self {
             Child::Node(index) => Child::Node(index + nodes),
             Child::Triangles(index) => Child::Triangles(index + blocks),
@@ -47,7 +50,7 @@ impl Child {
 /// The boxes of up to eight children, plane by plane, and what they are.
 ///
 /// Planes are ordered min x, y, z, max x, y, z, of boxes that are grown in proportion to their
-/// coordinates. Lanes without a child hold the empty box, which no ray enters.
+/// coordinates. SetBits without a child hold the empty box, which no ray enters.
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
@@ -63,7 +66,7 @@ impl Node {
         };
         for lane in 0..WIDTH {
             let child = children.get(lane);
-            let bounds = child.map_or(Aabb::EMPTY, |c| grown(c.0));
+            let bounds = child.map_or(Aabb::EMPTY, |c| padded(c.0));
             for axis in 0..3 {
                 node.planes[axis][lane] = bounds.min[axis];
                 node.planes[axis + 3][lane] = bounds.max[axis];
@@ -90,9 +93,9 @@ impl Node {
         }
     }
 
-    /// Puts a leaf where there is no child. Rays that are no numbers enter even boxes of nothing, and must
-    /// find an end.
-    pub(super) fn fill(&mut self, leaf: Child) {
+    /// Puts a leaf into lanes without a child: rays with NaN enter even empty boxes, and their traversal must
+    /// end.
+    pub(super) fn fill_empty(&mut self, leaf: Child) {
         for lane in 0..WIDTH {
             if self.bounds(lane) == Aabb::EMPTY {
                 self.children[lane] = leaf.pack();
@@ -100,10 +103,10 @@ impl Node {
         }
     }
 
-    /// Renumbers children after `nodes` nodes and `blocks` blocks were put before.
-    pub(super) fn shift(&mut self, nodes: u32, blocks: u32) {
+    /// Renumbers the children after `nodes` nodes and `blocks` blocks were inserted before them.
+    pub(super) fn offset_children(&mut self, nodes: u32, blocks: u32) {
         for word in &mut self.children {
-            *word = Child::unpack(*word).shifted(nodes, blocks).pack();
+            *word = Child::unpack(*word).with_offset(nodes, blocks).pack();
         }
     }
 
@@ -115,10 +118,10 @@ impl Node {
         [load(a), load(b), load(c), load(d), load(e), load(f)]
     }
 
-    /// A number no greater than where the ray enters each box, and one no less than where it leaves;
-    /// the first is greater for a box that it does not enter within `0..=t_max`.
+    /// A lower bound of where the ray enters each box, and an upper bound of where it leaves; the first is
+    /// greater for a box that the ray does not enter within `0..=t_max`.
     #[inline(always)]
-    pub(super) fn enter<V: Floats<WIDTH>>(&self, ray: &BoxRay, t_max: f32) -> (V, V) {
+    pub(super) fn intersect_boxes<V: Floats<WIDTH>>(&self, ray: &BoxRay, t_max: f32) -> (V, V) {
         let mut near = V::splat(0.0);
         let mut far = V::splat(t_max);
         for axis in 0..3 {
@@ -136,39 +139,40 @@ impl Node {
     }
 }
 
-/// Components of a direction that are smaller, as a share of the largest, count as this much: their
-/// reciprocals would overflow. Such a ray leaves its plane by less than boxes are grown.
-pub(super) const SMALLEST: f32 = 1e-18;
+/// Components of a direction that are smaller than this, relative to the largest, count as this much: their
+/// reciprocals would overflow. That moves a ray by less than boxes are padded.
+pub(super) const MIN_DIRECTION: f32 = 1e-18;
 
 /// What the box test needs of a ray: t = plane * inverse - offset.
 pub(super) struct BoxRay {
     inverse: Vec3,
-    /// The origin's part of t where the ray enters a box that is grown, and where it leaves.
+    /// The origin's part of t where the ray enters a padded box, and where it leaves.
     near_offset: Vec3,
     far_offset: Vec3,
-    /// The plane through which the ray enters a box, for each axis, and through which it leaves.
+    /// The index of the plane through which the ray enters a box, for each axis, and of that through which it
+    /// leaves.
     near: [usize; 3],
     far: [usize; 3],
 }
 
 impl BoxRay {
     pub(super) fn new(ray: &Ray) -> BoxRay {
-        // Four lanes, of which the last does not matter: one division in place of three.
+        // Four lanes, the last unused: one division in place of three.
         let (d, origin) = (ray.direction.extend(0.0), ray.origin.extend(0.0));
         let size = d.abs();
-        let smallest = Vec4::splat(SMALLEST * size.max_element());
+        let smallest = Vec4::splat(MIN_DIRECTION * size.max_element());
         let d = Vec4::select(size.cmplt(smallest), smallest.copysign(d), d);
         let inverse = Vec4::ONE / d;
-        let growth = GROWTH * reach(ray);
-        let (center, grown) = (origin * inverse, growth * inverse.abs());
-        // The planes of least coordinates come first, those of greatest three after.
+        let padding = BOX_PADDING * origin_magnitude(ray);
+        let (center, around) = (origin * inverse, padding * inverse.abs());
+        // The lower planes come first, the upper ones three after.
         let down = inverse.is_negative_bitmask();
         let near = |axis: u32| (axis + 3 * (down >> axis & 1)) as usize;
         let far = |axis: u32| (axis + 3 - 3 * (down >> axis & 1)) as usize;
         BoxRay {
             inverse: inverse.truncate(),
-            near_offset: (center + grown).truncate(),
-            far_offset: (center - grown).truncate(),
+            near_offset: (center + around).truncate(),
+            far_offset: (center - around).truncate(),
             near: [near(0), near(1), near(2)],
             far: [far(0), far(1), far(2)],
         }

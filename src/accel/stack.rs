@@ -1,19 +1,33 @@
+//! Traversal stacks, of one ray and of a packet.
+//!
+//! Entries hold a child with the distance at which the ray, or the first ray of the packet, enters its box,
+//! packed so that nearer children are smaller numbers: distances are not negative, so their bits order like
+//! the numbers.
+//!
+//! Indices wrap, so no access needs a check; the builder bounds the depth of trees so that they never do.
+
 use super::{MAX_DEPTH, WIDTH};
 
-/// What is still to be visited: children with the distance at which the ray enters them, packed
-/// so that nearer ones are smaller numbers.
-///
-/// Indices wrap, so no access needs a check; the builder bounds the depth of trees so that they
-/// never do.
+/// A node leaves at most seven children on the stack when traversal descends one level.
+const STACK_SIZE: usize = 1024;
+const _: () = assert!(STACK_SIZE > 7 * MAX_DEPTH && STACK_SIZE.is_power_of_two());
+
+#[inline(always)]
+fn pack(near: f32, child: u32) -> u64 {
+    u64::from(near.to_bits()) << 32 | u64::from(child)
+}
+
+#[inline(always)]
+fn unpack(entry: u64) -> (f32, u32) {
+    (f32::from_bits((entry >> 32) as u32), entry as u32)
+}
+
+/// The children that one ray has still to visit.
 #[derive(Debug)]
 pub(super) struct Stack {
     entries: Box<[u64; STACK_SIZE]>,
     len: usize,
 }
-
-/// A node leaves at most seven children behind when the walk goes down one level.
-pub(super) const STACK_SIZE: usize = 1024;
-const _: () = assert!(STACK_SIZE > 7 * MAX_DEPTH && STACK_SIZE.is_power_of_two());
 
 impl Default for Stack {
     fn default() -> Stack {
@@ -29,38 +43,35 @@ impl Stack {
         self.len = 0;
     }
 
-    /// Pushes the children whose bits are set.
+    /// Pushes the children of a mask, without their distances.
     #[inline(always)]
-    pub(super) fn push(&mut self, children: &[u32; WIDTH], mut set: u32) {
-        while set != 0 {
-            let lane = set.trailing_zeros() as usize % WIDTH;
-            set &= set - 1;
+    pub(super) fn push(&mut self, children: &[u32; WIDTH], mut mask: u32) {
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize % WIDTH;
+            mask &= mask - 1;
             self.entries[self.len % STACK_SIZE] = u64::from(children[lane]);
             self.len += 1;
         }
     }
 
-    /// Pushes the children whose bits are set, nearest last, but for the nearest, which it returns.
+    /// Pushes the children of a mask, nearest last, but for the nearest, which it returns.
     #[inline(always)]
     pub(super) fn push_sorted(
         &mut self,
         near: &[f32; WIDTH],
         children: &[u32; WIDTH],
-        mut set: u32,
+        mut mask: u32,
     ) -> Option<u32> {
-        if set == 0 {
+        if mask == 0 {
             return None;
         }
-        // Distances are not negative, so their bits order like numbers.
-        let entry = |lane: usize| {
-            u64::from(near[lane % WIDTH].to_bits()) << 32 | u64::from(children[lane % WIDTH])
-        };
-        let mut nearest = entry(set.trailing_zeros() as usize);
-        set &= set - 1;
+        let entry = |lane: usize| pack(near[lane % WIDTH], children[lane % WIDTH]);
+        let mut nearest = entry(mask.trailing_zeros() as usize);
+        mask &= mask - 1;
         let first = self.len;
-        while set != 0 {
-            let mut other = entry(set.trailing_zeros() as usize);
-            set &= set - 1;
+        while mask != 0 {
+            let mut other = entry(mask.trailing_zeros() as usize);
+            mask &= mask - 1;
             (nearest, other) = (nearest.min(other), nearest.max(other));
             let mut place = self.len;
             while place > first && self.entries[(place - 1) % STACK_SIZE] < other {
@@ -79,7 +90,54 @@ impl Stack {
             return None;
         }
         self.len -= 1;
-        let entry = self.entries[self.len % STACK_SIZE];
-        Some((f32::from_bits((entry >> 32) as u32), entry as u32))
+        Some(unpack(self.entries[self.len % STACK_SIZE]))
+    }
+}
+
+/// The children that a packet has still to visit, with the mask of the rays that enter each.
+#[derive(Debug)]
+pub(super) struct PacketStack {
+    entries: Box<[(u64, u32); STACK_SIZE]>,
+    len: usize,
+}
+
+impl Default for PacketStack {
+    fn default() -> PacketStack {
+        PacketStack {
+            entries: Box::new([(0, 0); STACK_SIZE]),
+            len: 0,
+        }
+    }
+}
+
+impl PacketStack {
+    pub(super) fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Inserts a child below all entries from `first` on that are nearer.
+    #[inline(always)]
+    pub(super) fn insert(&mut self, first: usize, near: f32, child: u32, rays: u32) {
+        let key = pack(near, child);
+        let mut place = self.len;
+        while place > first && self.entries[(place - 1) % STACK_SIZE].0 < key {
+            self.entries[place % STACK_SIZE] = self.entries[(place - 1) % STACK_SIZE];
+            place -= 1;
+        }
+        self.entries[place % STACK_SIZE] = (key, rays);
+        self.len += 1;
+    }
+
+    /// The nearest distance, the child and the mask of rays.
+    #[inline(always)]
+    pub(super) fn pop(&mut self) -> Option<(f32, u32, u32)> {
+        self.len = self.len.checked_sub(1)?;
+        let (key, rays) = self.entries[self.len % STACK_SIZE];
+        let (near, child) = unpack(key);
+        Some((near, child, rays))
     }
 }

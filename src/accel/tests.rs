@@ -4,6 +4,7 @@ use super::fuzz::check_packets;
 use super::node::Child;
 use super::*;
 use crate::sampling::Random;
+use crate::simd::PACKET_WIDTH;
 use glam::DVec3;
 
 fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
@@ -21,74 +22,6 @@ fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
                 let shadow = Ray { t_max, ..*ray };
                 let expected = hit.is_some_and(|h| h.t < f64::from(t_max));
                 assert_eq!(bvh.occluded(&shadow, &mut traversal), expected, "{ray:?}");
-            }
-        }
-    }
-}
-
-/// How sixteen points or fewer see a light, by hand; with every kernel the same bits; and what is in the way,
-/// as rays find it one by one.
-#[test]
-fn sights_agree_with_single_rays() {
-    let mut random = Random::new(11);
-    let triangles: Vec<[Vec3; 3]> = (0..300).map(|_| random.triangle(2.0, 0.5)).collect();
-    for (count, triangles) in [(300, &triangles[..]), (9, &triangles[..9])] {
-        let bvhs = Kernel::available()
-            .into_iter()
-            .map(|k| Bvh::new(triangles, vec![], k));
-        let bvhs: Vec<Bvh> = bvhs.collect();
-        assert_eq!(bvhs[0].nodes.is_empty(), count == 9);
-        let mut traversal = Traversal::default();
-        for round in 0..200 {
-            let target = random.vector(2.0);
-            // Side by side in half of the rounds, all over the scene in the others.
-            let size = if round % 2 == 0 { 0.05 } else { 2.0 };
-            let middle = random.vector(2.0);
-            let listed: Vec<Point> = (0..1 + round % PACKET)
-                .map(|i| Point {
-                    position: if i == 3 {
-                        target
-                    } else {
-                        middle + random.vector(size)
-                    },
-                    geometric_normal: random.vector(1.0).normalize(),
-                    shading_normal: random.vector(1.0).normalize(),
-                    offset: 1e-6,
-                    exclude: i as u32,
-                })
-                .collect();
-            let mut points = Points::default();
-            listed.iter().for_each(|point| points.push(point));
-            let sights: Vec<Sight> = bvhs.iter().map(|b| b.look(&points, target)).collect();
-            for (lane, point) in listed.iter().enumerate() {
-                let way = target - point.position;
-                let faces =
-                    way.dot(point.geometric_normal) > 0.0 && way.dot(point.shading_normal) > 0.0;
-                assert_eq!(sights[0].facing() >> lane & 1 != 0, faces);
-            }
-            assert!(sights[0].facing() < 1 << listed.len());
-            for (bvh, sight) in bvhs.iter().zip(&sights) {
-                assert_eq!(sight.facing(), sights[0].facing());
-                let together = bvh.occluded_of_sight(sight, &mut traversal);
-                assert_eq!(
-                    bvh.occluded_of_sights(std::slice::from_ref(sight), &mut traversal),
-                    [together]
-                );
-                for lane in sight.rays.lanes() {
-                    let (ray, same) = (sight.rays.ray(lane), sights[0].rays.ray(lane));
-                    assert_eq!(format!("{ray:?}"), format!("{same:?}"));
-                    let point = &listed[lane];
-                    let start = point.leave(ray.direction);
-                    assert_eq!((ray.origin, ray.exclude), (start.origin, start.exclude));
-                    assert!((ray.at(ray.t_max.into()).as_vec3() - target).length() < 1e-5);
-                    assert!(ray.t_max < sight.distance(lane));
-                    let cosine = ray.direction.dot(point.geometric_normal);
-                    assert!((cosine - sight.cosine(lane)).abs() < 1e-6);
-                    assert_eq!(
-                        together >> lane & 1 != 0,
-                        bvh.occluded(&ray, &mut traversal)
-                    );
-                }
             }
         }
     }
@@ -140,7 +73,7 @@ fn validation_finds_faults() {
     small.nodes[0].planes[0] = small.nodes[0].planes[0].map(|x| x + 0.01);
     let fault = small.validate();
     assert!(
-        matches!(fault, Err(TreeFault::Outside { node: 0, .. })),
+        matches!(fault, Err(BvhError::Outside { node: 0, .. })),
         "{fault:?}"
     );
 
@@ -152,25 +85,25 @@ fn validation_finds_faults() {
     }
     let fault = lost.validate();
     assert!(
-        matches!(fault, Err(TreeFault::Primitive { leaves: 0, .. })),
+        matches!(fault, Err(BvhError::Primitive { leaves: 0, .. })),
         "{fault:?}"
     );
 
     let mut dangling = sound();
     dangling.nodes[0].children[0] = Child::Triangles(1 << 20).pack();
-    let expected = TreeFault::Dangling { node: 0, lane: 0 };
+    let expected = BvhError::Dangling { node: 0, lane: 0 };
     assert_eq!(dangling.validate(), Err(expected));
 
     let mut endless = sound();
     let last = endless.nodes.len() - 1;
     endless.nodes[last].children = [Child::Node(last as u32).pack(); 8];
     let fault = endless.validate();
-    assert!(matches!(fault, Err(TreeFault::TooDeep { .. })), "{fault:?}");
+    assert!(matches!(fault, Err(BvhError::TooDeep { .. })), "{fault:?}");
 }
 
-/// They meet nothing that is worth a name, but a program that waits for them would never end.
+/// Their hits mean nothing, but traversal must end.
 #[test]
-fn rays_that_are_no_numbers_find_an_end() {
+fn traversal_of_nan_rays_ends() {
     let mut random = Random::new(7);
     let triangles: Vec<_> = (0..300).map(|_| random.triangle(1.0, 0.3)).collect();
     let (nan, infinity) = (f32::NAN, f32::INFINITY);
@@ -187,7 +120,11 @@ fn rays_that_are_no_numbers_find_an_end() {
                     let hit = bvh.closest(&ray, &mut traversal);
                     assert!(hit.is_none_or(|hit| hit.t > 0.0));
                     bvh.occluded(&ray, &mut traversal);
-                    bvh.closest_of_packet(&[ray; PACKET], &mut [None; PACKET], &mut traversal);
+                    bvh.closest_coherent(
+                        &[ray; PACKET_WIDTH],
+                        &mut [None; PACKET_WIDTH],
+                        &mut traversal,
+                    );
                 }
             }
         }

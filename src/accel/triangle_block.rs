@@ -1,39 +1,38 @@
+//! Leaves of up to eight triangles, as a structure of arrays.
+
 use super::WIDTH;
-use super::rounding::{GROWTH, reach, triangle_growth};
-use super::simd::Floats;
+use super::query::{DISTANCE_PADDING, record};
+use super::rounding::{BOX_PADDING, origin_magnitude, triangle_padding};
 use super::watertight::ShearedRays;
 use crate::geometry::{Hit, TrianglePlane};
 use crate::math::Ray;
+use crate::simd::Floats;
 use glam::Vec3;
 
-/// Grows a rounded distance beyond what rounding took away: nothing as near to single precision is
-/// culled by it.
-pub(super) const PADDING: f32 = 1.0 + 4.0 * f32::EPSILON;
-
-/// Up to eight triangles, coordinate by coordinate; a lane that is not needed repeats the last.
+/// Up to eight triangles, coordinate by coordinate; unused lanes repeat the last.
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub(super) struct TriangleBlock {
-    /// `corners[corner][axis][lane]`.
-    corners: [[[f32; WIDTH]; 3]; 3],
-    /// The triangles' numbers, rising.
+    /// `vertices[vertex][axis][lane]`.
+    vertices: [[[f32; WIDTH]; 3]; 3],
+    /// The triangles' numbers, ascending.
     ids: [u32; WIDTH],
 }
 
 impl TriangleBlock {
-    /// Takes one to eight rising numbers of `triangles`.
+    /// Packs one to eight of `triangles`, given by ascending numbers.
     pub(super) fn new(ids: &[u32], triangles: &[[Vec3; 3]]) -> TriangleBlock {
         let ids: [u32; WIDTH] = std::array::from_fn(|lane| ids[lane.min(ids.len() - 1)]);
-        // In an order of their own: of triangles with the same corners all are as far away, bit by bit.
+        // Sorted, so that triangles with the same vertices are at the same distance to the bit.
         let sorted = ids.map(|id| {
-            let mut corners = triangles[id as usize];
-            corners.sort_unstable_by_key(|corner| corner.to_array().map(f32::to_bits));
-            corners
+            let mut vertices = triangles[id as usize];
+            vertices.sort_unstable_by_key(|vertex| vertex.to_array().map(f32::to_bits));
+            vertices
         });
-        let corners = std::array::from_fn(|corner| {
-            std::array::from_fn(|axis| sorted.map(|corners| corners[corner][axis]))
+        let vertices = std::array::from_fn(|vertex| {
+            std::array::from_fn(|axis| sorted.map(|vertices| vertices[vertex][axis]))
         });
-        TriangleBlock { corners, ids }
+        TriangleBlock { vertices, ids }
     }
 
     /// The triangles' numbers; the last may be repeated.
@@ -46,41 +45,24 @@ impl TriangleBlock {
         1 + self.ids.windows(2).filter(|ids| ids[0] != ids[1]).count()
     }
 
-    /// Takes over every triangle that the ray meets nearer than `best`, or as near with a lower
-    /// number.
+    /// Passes the triangles that the ray meets to the query, with `best` so far; returns whether the query
+    /// is finished.
     #[inline(always)]
-    pub(super) fn closest<V: Floats<WIDTH>>(
+    pub(super) fn intersect<V: Floats<WIDTH>, const ANY_HIT: bool>(
         &self,
         ray: &Ray,
         axes: [usize; 3],
         sheared: &ShearedRays<V>,
         best: &mut Hit,
-    ) {
-        let limit = V::splat(best.t as f32 * PADDING);
-        let mut passed = sheared.pass(&self.all(axes), limit);
-        while passed != 0 {
-            let lane = passed.trailing_zeros() as usize;
-            passed &= passed - 1;
-            let t = self.distance(lane, ray);
-            take_nearer(ray, t, self.ids[lane], best);
-        }
-    }
-
-    /// Whether the ray meets any of the triangles in its interval.
-    #[inline(always)]
-    pub(super) fn occludes<V: Floats<WIDTH>>(
-        &self,
-        ray: &Ray,
-        axes: [usize; 3],
-        sheared: &ShearedRays<V>,
     ) -> bool {
-        let limit = V::splat(ray.t_max * PADDING);
-        let mut passed = sheared.pass(&self.all(axes), limit);
+        let limit = if ANY_HIT { ray.t_max } else { best.t as f32 };
+        let limit = V::splat(limit * DISTANCE_PADDING);
+        let mut passed = sheared.intersect(&self.load_vertices(axes), limit);
         while passed != 0 {
             let lane = passed.trailing_zeros() as usize;
             passed &= passed - 1;
             let t = self.distance(lane, ray);
-            if is_in_the_way(ray, t, self.ids[lane]) {
+            if record::<ANY_HIT>(ray, t, self.ids[lane], best) {
                 return true;
             }
         }
@@ -92,21 +74,21 @@ impl TriangleBlock {
         let plane = TrianglePlane::through(self.triangle(lane));
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let t = plane.distance(origin, direction);
-        let reach = f64::from(reach(ray));
-        // False for NaN. Mostly so, and then the triangle's own coordinates need no look.
-        if plane.outside(origin + t * direction) <= triangle_growth(reach) {
+        let magnitude = f64::from(origin_magnitude(ray));
+        // False for NaN. Mostly true, and then the triangle's own magnitude is not needed.
+        if plane.outside(origin + t * direction) <= triangle_padding(magnitude) {
             t
         } else {
-            let growth = triangle_growth(reach + plane.magnitude());
-            plane.distance_in_box(origin, direction, growth, t)
+            let padding = triangle_padding(magnitude + plane.magnitude());
+            plane.distance_in_box(origin, direction, padding, t)
         }
     }
 
     /// All triangles, one for each lane.
     #[inline(always)]
-    fn all<V: Floats<WIDTH>>(&self, [kx, ky, kz]: [usize; 3]) -> [[V; 3]; 3] {
+    fn load_vertices<V: Floats<WIDTH>>(&self, [kx, ky, kz]: [usize; 3]) -> [[V; 3]; 3] {
         // Spelled out: code in closures would not be compiled for the vector instructions.
-        let [a, b, c] = &self.corners;
+        let [a, b, c] = &self.vertices;
         [
             [V::load(&a[kx]), V::load(&a[ky]), V::load(&a[kz])],
             [V::load(&b[kx]), V::load(&b[ky]), V::load(&b[kz])],
@@ -114,37 +96,37 @@ impl TriangleBlock {
         ]
     }
 
-    /// The planes of all triangles' boxes, as those of a node: grown in proportion to their coordinates.
+    /// The planes of all triangles' boxes, as those of a node: padded relative to their coordinates.
     #[inline(always)]
     pub(super) fn planes<V: Floats<WIDTH>>(&self) -> [V; 6] {
-        let [a, b, c] = self.all::<V>([0, 1, 2]);
-        let (mut least, mut greatest) = (a, a);
+        let [a, b, c] = self.load_vertices::<V>([0, 1, 2]);
+        let (mut min, mut max) = (a, a);
         let mut magnitude = V::splat(0.0);
         for axis in 0..3 {
-            least[axis] = a[axis].min(b[axis]).min(c[axis]);
-            greatest[axis] = a[axis].max(b[axis]).max(c[axis]);
-            let size = greatest[axis].max(V::splat(0.0).sub(least[axis]));
+            min[axis] = a[axis].min(b[axis]).min(c[axis]);
+            max[axis] = a[axis].max(b[axis]).max(c[axis]);
+            let size = max[axis].max(V::splat(0.0).sub(min[axis]));
             magnitude = magnitude.max(size);
         }
-        let growth = magnitude.mul(V::splat(GROWTH));
+        let padding = magnitude.mul(V::splat(BOX_PADDING));
         [
-            least[0].sub(growth),
-            least[1].sub(growth),
-            least[2].sub(growth),
-            greatest[0].add(growth),
-            greatest[1].add(growth),
-            greatest[2].add(growth),
+            min[0].sub(padding),
+            min[1].sub(padding),
+            min[2].sub(padding),
+            max[0].add(padding),
+            max[1].add(padding),
+            max[2].add(padding),
         ]
     }
 
     /// One triangle in all lanes.
     #[inline(always)]
-    pub(super) fn one<V: Floats<N>, const N: usize>(
+    pub(super) fn splat_triangle<V: Floats<N>, const N: usize>(
         &self,
         lane: usize,
         [kx, ky, kz]: [usize; 3],
     ) -> [[V; 3]; 3] {
-        let [a, b, c] = &self.corners;
+        let [a, b, c] = &self.vertices;
         let splat = V::splat;
         [
             [splat(a[kx][lane]), splat(a[ky][lane]), splat(a[kz][lane])],
@@ -155,28 +137,8 @@ impl TriangleBlock {
 
     #[inline(always)]
     pub(super) fn triangle(&self, lane: usize) -> [Vec3; 3] {
-        let [a, b, c] = &self.corners;
-        let corner = |[x, y, z]: &[[f32; WIDTH]; 3]| Vec3::new(x[lane], y[lane], z[lane]);
-        [corner(a), corner(b), corner(c)]
+        let [a, b, c] = &self.vertices;
+        let vertex = |[x, y, z]: &[[f32; WIDTH]; 3]| Vec3::new(x[lane], y[lane], z[lane]);
+        [vertex(a), vertex(b), vertex(c)]
     }
-}
-
-/// Takes over a primitive that the ray meets at `t` if it is nearer than `best`; at the same
-/// distance, to a share of 2^-28, if its number is lower.
-#[inline(always)]
-pub(super) fn take_nearer(ray: &Ray, t: f64, primitive: u32, best: &mut Hit) {
-    // The bits of numbers above 0 are in their order. Rounding moves the distances of two triangles in one
-    // plane, but hardly ever into another share.
-    let (rounded, best_rounded) = (t.to_bits() >> 24, best.t.to_bits() >> 24);
-    let is_before =
-        rounded < best_rounded || (rounded == best_rounded && primitive < best.primitive);
-    if t > 0.0 && primitive != ray.exclude && is_before {
-        *best = Hit { t, primitive };
-    }
-}
-
-/// Whether a primitive that the ray meets at `t` lies in its interval.
-#[inline(always)]
-pub(super) fn is_in_the_way(ray: &Ray, t: f64, primitive: u32) -> bool {
-    t > 0.0 && t < f64::from(ray.t_max) && primitive != ray.exclude
 }

@@ -1,19 +1,21 @@
+//! Checks of a tree's invariants.
+
 use super::node::{Child, ROOT};
-use super::rounding::grown;
+use super::rounding::padded;
 use super::{Bvh, MAX_DEPTH, WIDTH};
 use crate::math::Aabb;
 use glam::Vec3;
 use thiserror::Error;
 
-/// What is wrong with a tree.
+/// A violated invariant of a tree.
 #[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
-pub enum TreeFault {
+pub enum BvhError {
     /// A child points at something that does not exist.
     #[error("child {lane} of node {node} does not exist")]
     Dangling {
         /// The node's index.
         node: usize,
-        /// The child's place in it.
+        /// The child's lane.
         lane: usize,
     },
     /// A child holds something that its box does not.
@@ -21,10 +23,10 @@ pub enum TreeFault {
     Outside {
         /// The node's index.
         node: usize,
-        /// The child's place in it.
+        /// The child's lane.
         lane: usize,
     },
-    /// Deeper than the stacks of the walks allow.
+    /// Deeper than the traversal stacks allow.
     #[error("node {node} lies too deep")]
     TooDeep {
         /// The node's index.
@@ -41,13 +43,13 @@ pub enum TreeFault {
 }
 
 impl Bvh {
-    /// Checks what the walks rely on: every box holds all that is below it, every primitive is in
+    /// Checks what traversal relies on: every box holds all that is below it, every primitive is in
     /// exactly one leaf, and no leaf lies too deep.
     ///
     /// # Errors
     ///
-    /// The first fault that is found.
-    pub fn validate(&self) -> Result<(), TreeFault> {
+    /// The first violation that is found.
+    pub fn validate(&self) -> Result<(), BvhError> {
         let mut leaves = vec![0; self.first_sphere as usize + self.spheres.len()];
         if self.nodes.is_empty() {
             for block in 0..self.blocks.len() {
@@ -60,7 +62,7 @@ impl Bvh {
             self.validate_node(ROOT as usize, 0, &mut leaves)?;
         }
         match leaves.iter().position(|count| *count != 1) {
-            Some(primitive) => Err(TreeFault::Primitive {
+            Some(primitive) => Err(BvhError::Primitive {
                 primitive,
                 leaves: leaves[primitive],
             }),
@@ -74,9 +76,9 @@ impl Bvh {
         node: usize,
         depth: usize,
         leaves: &mut [usize],
-    ) -> Result<Aabb, TreeFault> {
+    ) -> Result<Aabb, BvhError> {
         if depth > MAX_DEPTH {
-            return Err(TreeFault::TooDeep { node });
+            return Err(BvhError::TooDeep { node });
         }
         let mut all = Aabb::EMPTY;
         for lane in 0..WIDTH {
@@ -84,23 +86,23 @@ impl Bvh {
             if bounds == Aabb::EMPTY {
                 continue;
             }
-            let dangling = TreeFault::Dangling { node, lane };
+            let dangling = BvhError::Dangling { node, lane };
             let inside = match Child::unpack(self.nodes[node].children[lane]) {
                 Child::Node(index) if index == ROOT => return Err(dangling),
                 Child::Node(index) if (index as usize) < self.nodes.len() => {
                     self.validate_node(index as usize, depth + 1, leaves)?
                 }
                 Child::Triangles(index) if (index as usize) < self.blocks.len() => {
-                    grown(self.count_block(index as usize, leaves))
+                    padded(self.count_block(index as usize, leaves))
                 }
                 Child::Sphere(index) if (index as usize) < self.spheres.len() => {
                     leaves[self.first_sphere as usize + index as usize] += 1;
-                    grown(self.spheres[index as usize].bounds())
+                    padded(self.spheres[index as usize].bounds())
                 }
                 _ => return Err(dangling),
             };
             if inside.union(bounds) != bounds {
-                return Err(TreeFault::Outside { node, lane });
+                return Err(BvhError::Outside { node, lane });
             }
             all = all.union(bounds);
         }
@@ -110,11 +112,11 @@ impl Bvh {
     /// Counts the triangles of a block; returns the box around them.
     fn count_block(&self, index: usize, leaves: &mut [usize]) -> Aabb {
         let block = &self.blocks[index];
-        let mut corners: Vec<Vec3> = Vec::new();
+        let mut vertices: Vec<Vec3> = Vec::new();
         for lane in 0..block.count() {
             leaves[block.ids()[lane] as usize] += 1;
-            corners.extend(block.triangle(lane));
+            vertices.extend(block.triangle(lane));
         }
-        Aabb::of(corners)
+        Aabb::of(vertices)
     }
 }

@@ -45,7 +45,7 @@ pub enum CacheFileError {
     },
     /// The file does not begin with the magic text. It is never written over.
     #[error(
-        "{file}: is not an irradiance cache of this version; use another file name, or remove the file \
+        "{file}: is not an irradiance cache of this format; use another file name, or remove the file \
          if it is an old cache",
         file = .file.display()
     )]

@@ -1,9 +1,10 @@
 //! Gathers the values of records: a final gather at each of them.
 
-use crate::accel::{Point, Traversal};
+use crate::accel::Traversal;
 use crate::integrator::{FinalGather, GatherPoint};
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::sampling::Sequence;
+use crate::scene::SurfacePoint;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -20,7 +21,7 @@ pub(super) enum Purpose {
 
 /// The samples of a point. They depend on its position and normal, not on when it was found.
 pub(super) fn sequence_of(
-    point: &Point,
+    point: &SurfacePoint,
     seed: u32,
     purpose: Purpose,
     bounces_left: u32,
@@ -48,12 +49,12 @@ impl Gathering<'_> {
     /// records cover. `on_point` is called once per finished point.
     pub(super) fn mean_radiance(
         &self,
-        points: &[Point],
+        points: &[SurfacePoint],
         secondary: &SecondaryIrradiance,
         on_point: &(dyn Fn() + Sync),
     ) -> Vec<Vec3> {
-        let of_batch = |points: &[Point]| {
-            let gather_point = |point: &Point| GatherPoint {
+        let of_batch = |points: &[SurfacePoint]| {
+            let gather_point = |point: &SurfacePoint| GatherPoint {
                 point: *point,
                 sequence: sequence_of(point, self.seed, self.purpose, self.bounces_left),
                 index: 0,

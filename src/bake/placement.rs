@@ -4,12 +4,12 @@
 //! Illumination with Irradiance Caching").
 
 use super::gather::{Purpose, sequence_of};
-use crate::accel::{Point, Traversal};
+use crate::accel::Traversal;
 use crate::irradiance_cache::{IrradianceRecord, IrradianceRecords, OccluderPlanes};
 use crate::material::Only;
 use crate::math::Ray;
 use crate::sampling::uniform_sphere;
-use crate::scene::Scene;
+use crate::scene::{Scene, SurfacePoint};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -34,7 +34,7 @@ pub(super) struct Spacing {
 /// A surface point that a record should cover.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
-    pub(super) point: Point,
+    pub(super) point: SurfacePoint,
     /// The smallest radius of a record here, in metres.
     pub(super) min_radius: f32,
 }
@@ -46,7 +46,7 @@ pub(super) struct Placement {
     seed: u32,
     pub(super) records: IrradianceRecords,
     /// The surface point of each record.
-    pub(super) points: Vec<Point>,
+    pub(super) points: Vec<SurfacePoint>,
     /// The harmonic mean distance of the surfaces around each record, in metres.
     distances: Vec<f32>,
 }
@@ -56,7 +56,7 @@ struct Probe {
     /// Harmonic mean of their distances, in metres.
     harmonic_mean: f32,
     /// Hit points and their distances, nearest first.
-    hits: Vec<(Point, f32)>,
+    hits: Vec<(SurfacePoint, f32)>,
 }
 
 impl Placement {
@@ -85,7 +85,7 @@ impl Placement {
     }
 
     fn is_covered(&self, candidate: &Candidate) -> bool {
-        let Point {
+        let SurfacePoint {
             position,
             shading_normal,
             ..
@@ -135,7 +135,7 @@ impl Placement {
     /// so surfaces that some probes miss are found by others (neighbour clamping, Krivanek et al. 2006).
     fn push(&mut self, candidate: &Candidate, probe: &Probe) {
         let relative_radius = self.spacing.relative_radius;
-        let Point {
+        let SurfacePoint {
             position,
             shading_normal,
             ..
@@ -167,18 +167,18 @@ impl Placement {
     }
 
     /// Probes the hemisphere with uniform directions, not cosine-weighted: surfaces near the horizon matter, too.
-    fn probe(&self, scene: &Scene, point: &Point) -> Probe {
+    fn probe(&self, scene: &Scene, point: &SurfacePoint) -> Probe {
         let sequence = sequence_of(point, self.seed, Purpose::Probe, 0);
         let ray = |index| {
             let [u, v] = sequence.sample_2d(index, 0);
             let direction = uniform_sphere(u, v);
             let is_above = direction.dot(point.geometric_normal) >= 0.0;
-            point.leave(if is_above { direction } else { -direction })
+            point.spawn_ray(if is_above { direction } else { -direction })
         };
         let rays: Vec<Ray> = (0..self.spacing.probe_rays).map(ray).collect();
         let mut hits = vec![None; rays.len()];
         let traversal = &mut Traversal::default();
-        scene.closest_of_wave(&rays, &mut hits, traversal);
+        scene.closest_incoherent(&rays, &mut hits, traversal);
         let seen = rays.iter().zip(&hits);
         let seen: Vec<_> = seen
             .filter_map(|(ray, hit)| Some((ray, hit.as_ref()?)))
@@ -191,7 +191,7 @@ impl Placement {
             let point = scene.surface::<Only<0>>(ray, hit).point;
             (point, hit.t as f32)
         });
-        let mut hits: Vec<(Point, f32)> = hits.collect();
+        let mut hits: Vec<(SurfacePoint, f32)> = hits.collect();
         hits.sort_by(|a, b| a.1.total_cmp(&b.1));
         Probe {
             harmonic_mean: (harmonic_mean as f32).min(size),
@@ -211,7 +211,7 @@ impl Probe {
     }
 
     /// The planes of the surfaces that a record of this radius at a point must not reach behind.
-    fn occluders(&self, record: &Point, radius: f32) -> OccluderPlanes {
+    fn occluders(&self, record: &SurfacePoint, radius: f32) -> OccluderPlanes {
         /// Hits up to this distance, in radii, count: most parts of a surface are nearer than the hit.
         const MAX_DISTANCE: f32 = 3.0;
         /// Surfaces whose normals differ by a smaller angle (its cosine) continue the record's own surface.

@@ -11,21 +11,20 @@ pub enum PathError {
     #[error("key {key}, at {time} s, is not after the key before it; times must rise")]
     TimesDoNotRise { key: usize, time: f64 },
     #[error(
-        "key {key} is half a turn from the key before it, so either way around is as short; add a \
-         key between them, or give yaw_pitch_roll in all keys, which turns as its numbers say"
+        "key {key} is half a turn from the key before it, so both ways around are equally short; add a \
+         key between them, or give yaw_pitch_roll in all keys, which turns by its numbers"
     )]
     HalfTurn { key: usize },
-    #[error("a closed path's last key repeats its first, to say when; they differ in {what}")]
-    NotClosed { what: &'static str },
     #[error(
-        "a closed path goes on at its end as at its start: give both ease_in and ease_out, to stop \
-         there, or neither"
+        "the last key of a closed path repeats its first one at a later time; they differ in {what}"
     )]
+    NotClosed { what: &'static str },
+    #[error("a closed path loops: give both ease_in and ease_out, to stop at its seam, or neither")]
     EasesOneSide,
     #[error("ease_in and ease_out take {seconds} s together, and the path lasts {duration} s")]
     EaseTooLong { seconds: f64, duration: f64 },
     #[error(
-        "key {key} eases, and the whole path is to be at one speed; remove one of them, or give \
+        "key {key} has `ease`, but `speed: constant` sets the timing of all keys; remove one of them, or give \
          ease_in and ease_out of the path"
     )]
     EaseAtConstantSpeed { key: usize },
@@ -35,18 +34,18 @@ pub enum PathError {
     )]
     LooksAtItself { frame: u32, time: f64 },
     #[error(
-        "at {time} s (frame {frame}) the camera looks straight up or down, where look_at leaves \
-         its roll open; give yaw_pitch_roll in all keys instead"
+        "at {time} s (frame {frame}) the camera looks straight up or down, where look_at does not \
+         determine its roll; give yaw_pitch_roll in all keys instead"
     )]
     LooksVertically { frame: u32, time: f64 },
     #[error(
-        "at {time} s (frame {frame}) there is no camera that numbers can tell; give a larger fov, or \
-         times and positions nearer to each other"
+        "at {time} s (frame {frame}) the camera is not finite in double precision; give a larger fov, or \
+         times and positions closer to each other"
     )]
     NoCamera { frame: u32, time: f64 },
     #[error(
         "at {time} s (frame {frame}) the camera has passed straight over or under its look_at \
-         point, and its picture flips; lead one of them past the other, or give yaw_pitch_roll in \
+         point, and its picture flips; move one of them aside, or give yaw_pitch_roll in \
          all keys instead"
     )]
     Flips { frame: u32, time: f64 },

@@ -65,12 +65,13 @@ impl PositionTiming {
 
     /// The position at a parameter of the path.
     pub(super) fn position(&self, parameter: CurveParameter) -> DVec3 {
-        match parameter {
-            CurveParameter::InSegment(i, fraction) if let Some(length) = &self.lengths[i] => {
-                let segment = &self.positions.segments()[i];
-                segment.at_curve_parameter(length.parameter_at(segment, fraction * length.total()))
-            }
-            _ => self.positions.at(parameter),
+        if let CurveParameter::InSegment(i, fraction) = parameter
+            && let Some(length) = &self.lengths[i]
+        {
+            let segment = &self.positions.segments()[i];
+            return segment
+                .at_curve_parameter(length.parameter_at(segment, fraction * length.total()));
         }
+        self.positions.at(parameter)
     }
 }

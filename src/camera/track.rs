@@ -56,7 +56,7 @@ impl TrackInput<'_> {
 
 impl<T: Value> Track<T> {
     /// `times` rise strictly; there are as many keys, at least one, and a segment between each two. A
-    /// closed track goes on at its first key where it ends, at its last.
+    /// closed track continues at its first key after its last.
     pub(super) fn new(
         times: &[f64],
         keys: Vec<T>,

@@ -1,10 +1,10 @@
 //! Export of cameras to the formats of other programs.
 
+use super::export_error::ExportError;
 use super::gltf::{GltfContainer, to_gltf};
 use super::{camera_table, nerfstudio};
 use crate::camera::{Camera, FrameCameras};
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::path::Path;
 
 /// A format that cameras can be exported to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,29 +17,6 @@ pub enum CameraFormat {
     GltfBinary,
     /// A line of JSON for each frame: `.jsonl`.
     Table,
-}
-
-/// Why cameras cannot be exported.
-#[derive(Debug, Error)]
-pub enum ExportError {
-    /// The extension of the file is that of no format.
-    #[error("{}: name it .json, .gltf, .glb or .jsonl", file.display())]
-    UnknownFormat {
-        /// The file.
-        file: PathBuf,
-    },
-    /// The times of successive frames would be equal or uneven in single precision.
-    #[error(
-        "glTF keeps times in single precision, which cannot tell frames near {end} s apart: begin the path at 0 s, \
-         or export .json or .jsonl"
-    )]
-    GltfTimes {
-        /// When the last frame is shown, in seconds.
-        end: f64,
-    },
-    /// A number cannot be written.
-    #[error(transparent)]
-    Json(#[from] serde_json::Error),
 }
 
 impl CameraFormat {

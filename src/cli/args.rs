@@ -54,10 +54,32 @@ pub(super) enum Command {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::techniques;
     use clap::CommandFactory;
 
     #[test]
     fn definitions_are_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    /// What the report prints is what `render` takes for it.
+    #[test]
+    fn flags_of_techniques_set_what_was_measured() {
+        for technique in techniques().into_iter().filter(|t| t.repeats == 1) {
+            let flags = technique.flags();
+            let start = ["flythrough", "render", "scene", "path", "--out", "frames"];
+            let parsed = Arguments::try_parse_from(start.into_iter().chain(flags.split(' ')));
+            let Ok(Arguments {
+                command: Command::Render(arguments),
+            }) = parsed
+            else {
+                panic!("{flags}: refused");
+            };
+            let [mut set, mut measured] = [arguments.job.settings.settings(), technique.settings];
+            for settings in [&mut set, &mut measured] {
+                settings.gi = Some(settings.global_illumination(9));
+            }
+            assert_eq!(set, measured, "{flags}");
+        }
     }
 }

@@ -3,10 +3,10 @@
 use super::bake::bake;
 use super::interrupt::Interrupt;
 use super::job_args::RecordedJobArguments;
+use super::outcome::{Failure, Status, say, warn};
 use super::progress::SequenceProgress;
 use super::values::{ProgressArgument, SampleSize};
 use super::verify::verify;
-use super::{Failure, Status, say, warn};
 use crate::frames::{FrameFolder, SequenceRecord};
 use crate::job::open_folder;
 use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};

@@ -1,8 +1,8 @@
 //! `bake`: the irradiance cache of a camera path, for jobs that share it; and what other commands say when they bake.
 
 use super::job_args::{InputArguments, SettingsArguments, ThreadsArgument};
+use super::outcome::{Failure, Status, say, warn};
 use super::progress::{FractionProgress, clock};
-use super::{Failure, Status, say, warn};
 use crate::bake::Baked;
 use crate::job::{BakeOutcome, Job, JobOptions, Spec};
 use crate::render::{ErrorEstimate, RenderSettings};

@@ -1,8 +1,8 @@
 //! `check`: loads a scene and a camera path, and says what is there and what is wrong with the move.
 
 use super::job_args::{InputArguments, ThreadsArgument};
+use super::outcome::{Failure, Status, warn};
 use super::values::parse_distance;
-use super::{Failure, Status, warn};
 use crate::camera_formats::load_camera_path;
 use crate::input::{InputFiles, load_scene};
 use crate::job::pool;
@@ -13,16 +13,17 @@ use std::io::Write;
 
 /// Check a scene and a camera path, render nothing
 ///
-/// Loads both, prints what is there, and warns of the path, with frame numbers: where the camera is inside or passes through
-/// something or comes too near, where its speed or its turning jumps or is out of proportion, where what is seen moves so
-/// fast that it strobes, where look_at makes the picture spin, and whether a closed path has a seam.
+/// Loads both, prints a summary, and warns of likely mistakes of the path, with frame numbers: where the camera is inside a
+/// solid object, crosses a surface or is too close to one, where its speed spikes, where its velocity or angular velocity
+/// jumps, where the image moves so fast that it strobes, where look_at makes the picture spin, and whether a closed path
+/// has a seam.
 ///
 /// Exit status: 0 both can be rendered, whatever the warnings; 2 wrong input or usage.
 #[derive(Debug, Args)]
 pub(super) struct CheckArguments {
     #[command(flatten)]
     input: InputArguments,
-    /// How many metres the camera should stay away from surfaces
+    /// The distance in metres that the camera should keep from surfaces
     #[arg(long, value_name = "METRES", default_value = "0.1", value_parser = parse_distance)]
     near: f64,
     #[command(flatten)]
@@ -81,9 +82,9 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     let (width, height) = (resolved.width, resolved.height);
     let pool = pool(arguments.threads.threads)?;
     let near = arguments.near;
-    let findings = pool.install(|| preflight(scene, &path.path, width, height, near));
-    let findings = findings.iter().map(|finding| finding.to_string());
-    let warnings: Vec<String> = input.warnings.iter().cloned().chain(findings).collect();
+    let of_path = pool.install(|| preflight(scene, &path.path, width, height, near));
+    let of_path = of_path.iter().map(|warning| warning.to_string());
+    let warnings: Vec<String> = input.warnings.iter().cloned().chain(of_path).collect();
     warn(&warnings);
     writeln!(out, "warnings   {}", warnings.len())?;
     Ok(Status::Done)

@@ -1,6 +1,6 @@
 //! SIGTERM and Ctrl-C.
 
-use super::Status;
+use super::outcome::Status;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 use std::io;

@@ -1,9 +1,9 @@
 //! `missing`: the frames of a sequence that are not verified.
 
 use super::frames::ranges;
+use super::outcome::{Failure, Status};
 use super::values::ListFormatArgument;
 use super::verify::verify;
-use super::{Failure, Status};
 use crate::job::open_folder;
 use clap::Args;
 use std::io::Write;

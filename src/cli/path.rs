@@ -1,5 +1,8 @@
+//! `flythrough path`: plots, imports and exports camera paths.
+
+use super::outcome::{Failure, Status};
 use super::path_args::{PathArguments, PathCommand};
-use super::{Failure, Status, path_export, path_import, path_plot};
+use super::{path_export, path_import, path_plot};
 
 pub(super) fn run(arguments: &PathArguments) -> Result<Status, Failure> {
     match &arguments.command {

@@ -1,7 +1,7 @@
-//! `flythrough path export`: the cameras of a path for another program.
+//! `flythrough path export`: the cameras of all frames for another program.
 
+use super::outcome::{Failure, Status, keep, written};
 use super::path_args::ExportArguments;
-use super::{Failure, Status, keep, written};
 use crate::camera::FrameCameras;
 use crate::camera_formats::{CameraFormat, export_cameras, load_camera_path};
 use crate::input::{InputFiles, Settings};

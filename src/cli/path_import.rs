@@ -1,5 +1,7 @@
+//! `flythrough path import`: a camera path file from an animated camera of another program.
+
+use super::outcome::{Failure, Status, keep, written};
 use super::path_args::ImportArguments;
-use super::{Failure, Status, keep, written};
 use crate::camera_formats::{camera_path_to_ron, import_cameras, parse_camera_path};
 use crate::storage::write_atomic;
 use std::io::Write;

@@ -1,12 +1,14 @@
+//! `flythrough path plot`: the plot of a camera path through a scene.
+
+use super::outcome::{Failure, Status, warn, written};
 use super::path_args::PlotArguments;
-use super::{Failure, Status, warn, written};
 use crate::drawing::path_plot::plot;
 use crate::input::Settings;
 use crate::job::Inputs;
 use crate::storage::write_atomic;
 
 pub(super) fn run(arguments: &PlotArguments) -> Result<Status, Failure> {
-    // A name that is given by mistake may be that of an input.
+    // Guards an input that is named by mistake.
     if arguments
         .out
         .extension()

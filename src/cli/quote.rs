@@ -1,9 +1,9 @@
 //! `quote`: time, disk and memory of a sequence, estimated before it is rendered.
 
 use super::job_args::JobArguments;
+use super::outcome::{Failure, Status, warn};
 use super::progress::{FractionProgress, clock};
 use super::values::parse_time;
-use super::{Failure, Status, warn};
 use crate::forecast::Forecast;
 use crate::job::{Accuracy, Job, SavedEstimate, make_folder};
 use clap::Args;

@@ -2,9 +2,9 @@
 
 use super::frames::FrameRanges;
 use super::job_args::{InputArguments, ThreadsArgument};
+use super::outcome::{Failure, Status, say, warn};
 use super::progress::FractionProgress;
 use super::values::parse_size;
-use super::{Failure, Status, say, warn};
 use crate::input::Settings;
 use crate::job::{self, BUILD};
 use crate::report::{Inputs, report};
@@ -113,32 +113,4 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
         ));
     }
     Ok(Status::Done)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::args::{Arguments, Command};
-    use crate::report::techniques;
-    use clap::Parser;
-
-    /// What the report prints is what `render` takes for it.
-    #[test]
-    fn flags_of_techniques_set_what_was_measured() {
-        for technique in techniques().into_iter().filter(|t| t.repeats == 1) {
-            let flags = technique.flags();
-            let start = ["flythrough", "render", "scene", "path", "--out", "frames"];
-            let parsed = Arguments::try_parse_from(start.into_iter().chain(flags.split(' ')));
-            let Ok(Arguments {
-                command: Command::Render(arguments),
-            }) = parsed
-            else {
-                panic!("{flags}: refused");
-            };
-            let [mut set, mut measured] = [arguments.job.settings.settings(), technique.settings];
-            for settings in [&mut set, &mut measured] {
-                settings.gi = Some(settings.global_illumination(9));
-            }
-            assert_eq!(set, measured, "{flags}");
-        }
-    }
 }

@@ -1,8 +1,8 @@
 //! `selftest`: the table of numerically hard cases.
 
-use super::{Failure, Status};
-use crate::accel::Kernel;
+use super::outcome::{Failure, Status};
 use crate::selftest::CASES;
+use crate::simd::Kernel;
 use rayon::prelude::*;
 use std::io::Write;
 use std::sync::mpsc;

@@ -1,7 +1,7 @@
 //! `sheet`: a contact sheet of a folder of frames.
 
 use super::frames::FrameRanges;
-use super::{Failure, Status, written};
+use super::outcome::{Failure, Status, written};
 use crate::frames::{FrameFolder, write_contact_sheet};
 use crate::job::open_folder;
 use clap::Args;

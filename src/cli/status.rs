@@ -1,7 +1,7 @@
 //! `status`: the state of a folder of frames, for people and for scripts.
 
 use super::frames::ranges;
-use super::{Failure, Status};
+use super::outcome::{Failure, Status};
 use crate::frames::FrameFolder;
 use clap::Args;
 use serde::Serialize;

@@ -1,8 +1,8 @@
 //! `verify`: whether every frame of a sequence is there, whole, unchanged and made from what it should be.
 
 use super::job_args::RecordedJobArguments;
+use super::outcome::{Failure, Status, say, warn};
 use super::progress::FractionProgress;
-use super::{Failure, Status, say, warn};
 use crate::frames::{FrameFolder, FrameRecord, VerifyError};
 use crate::job::{open_folder, pool};
 use clap::Args;

@@ -9,54 +9,54 @@ use std::error::Error;
 use std::ops::Range;
 use thiserror::Error;
 
-/// What is drawn.
+/// A line chart.
 ///
-/// The axes span the values that can be drawn. What cannot is left out: numbers that are not finite and, on a
-/// logarithmic axis, 0 and what is below it.
+/// The axes span the values that can be drawn. Values that are not finite and, on a logarithmic axis, values that are not
+/// positive are left out.
 #[derive(Clone, Debug)]
 pub struct Chart {
-    /// Stands above.
+    /// The heading.
     pub title: String,
-    /// Grows to the right.
+    /// The horizontal axis.
     pub x: Axis,
-    /// Grows upwards.
+    /// The vertical axis.
     pub y: Axis,
-    /// What is shown, in the order of the legend.
+    /// The series, in the order of the legend.
     pub series: Vec<Series>,
-    /// Values of y that all series are held against.
+    /// Reference values of y, drawn as dashed lines.
     pub guides: Vec<f64>,
     /// Columns and rows, in pixels.
     pub size: (u32, u32),
 }
 
-/// What one direction means.
+/// An axis.
 #[derive(Clone, Debug)]
 pub struct Axis {
     /// The quantity, with its unit.
     pub label: String,
-    /// Whether equal factors are equal distances, rather than equal differences.
+    /// Whether the scale is logarithmic.
     pub logarithmic: bool,
 }
 
-/// Points that belong together, joined by a line in their order.
+/// Points joined by a line in their order.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Stands in the legend; empty for none.
+    /// The name in the legend; empty for none.
     pub name: String,
-    /// What is joined.
+    /// The points of the line.
     pub points: Vec<Point>,
 }
 
-/// A value of y at a value of x, and what holds it.
+/// A point with an interval of y around it.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// To the right.
+    /// The horizontal coordinate.
     pub x: f64,
-    /// Upwards.
+    /// The vertical coordinate.
     pub y: f64,
-    /// The least that y may be.
+    /// The lower end of the interval of y.
     pub low: f64,
-    /// The most that y may be.
+    /// The upper end of the interval of y.
     pub high: f64,
 }
 
@@ -68,7 +68,7 @@ pub struct ChartError {
     source: Box<dyn Error + Send + Sync>,
 }
 
-/// Colours that also those who see fewer can tell apart (Okabe and Ito 2002), but for yellow.
+/// The palette of Okabe and Ito (2002) for all kinds of colour vision, without yellow.
 pub(super) const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -79,10 +79,10 @@ pub(super) const COLORS: [RGBColor; 7] = [
     RGBColor(60, 60, 60),
 ];
 
-/// Beyond so many points the line alone is shown, in the band of what holds it.
+/// The most points of a series that are drawn as marks with error bars; beyond, the intervals are drawn as a band.
 const MOST_MARKS: usize = 40;
 
-/// What all text is written in.
+/// The font of all text.
 pub(super) const FONT: &str = "sans-serif";
 
 type Drawn = Result<(), Box<dyn Error>>;
@@ -118,7 +118,7 @@ impl Chart {
         let x = range(drawn.clone().map(|point| point.x), &self.x);
         let values = drawn.flat_map(|point| [point.low, point.y, point.high]);
         let y = range(values.chain(self.guides.iter().copied()), &self.y);
-        // Beside the plot, where it covers nothing.
+        // Beside the plot.
         let names = self.series.iter().map(|series| series.name.len());
         let legend_width = match names.max() {
             None | Some(0) => 8,
@@ -203,7 +203,7 @@ impl Chart {
         Ok(())
     }
 
-    /// The point as far as it can be drawn.
+    /// The point, if it can be drawn, with the ends of its interval that can be.
     fn fitting(&self, point: &Point) -> Option<Point> {
         let fits =
             |value: f64, axis: &Axis| value.is_finite() && (value > 0.0 || !axis.logarithmic);
@@ -226,7 +226,7 @@ fn mark<'a, C: Clone + 'static>(number: usize, at: C) -> DynElement<'static, SVG
     }
 }
 
-/// What an axis spans, with a margin.
+/// The range of an axis, with a margin.
 fn range(values: impl Iterator<Item = f64> + Clone, axis: &Axis) -> Range<f64> {
     let low = values.clone().fold(f64::INFINITY, f64::min);
     let high = values.fold(f64::NEG_INFINITY, f64::max);
@@ -235,7 +235,7 @@ fn range(values: impl Iterator<Item = f64> + Clone, axis: &Axis) -> Range<f64> {
     }
     if axis.logarithmic {
         let (low, high) = (low / 1.3, high * 1.3);
-        // Only powers of ten have labels: there should be one.
+        // Only powers of ten are labelled, so the range contains one.
         let below = 10_f64.powf(low.log10().floor());
         let has_label = 10.0 * below <= high;
         return if has_label { low } else { 0.99 * below }..high;
@@ -244,7 +244,7 @@ fn range(values: impl Iterator<Item = f64> + Clone, axis: &Axis) -> Range<f64> {
     low - margin..high + margin
 }
 
-/// A number at an axis, short.
+/// A short label of a number at an axis.
 fn label(value: f64) -> String {
     if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
         let text = format!("{value:.4}");

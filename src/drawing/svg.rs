@@ -1,13 +1,12 @@
-//! The texts of SVG files to pixels, with the program's own font.
+//! SVG rendered to pixels, with the program's own font.
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Error, Options, Tree};
 use std::sync::Arc;
 
-/// The pixels of what the text of an SVG file shows, one for each unit of its size. An error if it is no such text
-/// or has more pixels than can be.
+/// Renders the text of an SVG file, one pixel for each unit of its size. An error if it is not valid or too large.
 ///
-/// Its letters are those of the family `sans-serif`, so that it looks the same on a machine without fonts.
+/// The only font is `sans-serif`, so that the result does not depend on the machine's fonts.
 pub(super) fn pixels(svg: &str) -> Result<Pixmap, Error> {
     let mut options = Options::default();
     let fonts = Arc::make_mut(&mut options.fontdb);
@@ -21,7 +20,7 @@ pub(super) fn pixels(svg: &str) -> Result<Pixmap, Error> {
     Ok(pixels)
 }
 
-/// Any text as the text of an SVG file says it; a space for each character that no such file can have.
+/// Escapes a text for SVG; characters that XML does not allow become spaces.
 pub(super) fn escaped(text: &str) -> String {
     let is_barred = |letter: char| letter.is_control() || matches!(letter, '\u{fffe}' | '\u{ffff}');
     let text = text.replace(is_barred, " ").replace('&', "&amp;");

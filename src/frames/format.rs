@@ -3,8 +3,9 @@
 use super::picture::{Contents, Picture};
 use super::{exr, png_file};
 use crate::film::Film;
-#[cfg(any(test, feature = "plots"))]
 use crate::math::color::srgb_to_linear;
+#[cfg(any(test, feature = "plots"))]
+use crate::storage::write_atomic;
 #[cfg(any(test, feature = "plots"))]
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -121,6 +122,13 @@ impl FrameFormat {
 fn linear_codes(most: u16) -> Vec<f32> {
     let linear = |code| srgb_to_linear(f32::from(code) / f32::from(most));
     (0..=most).map(linear).collect()
+}
+
+/// Writes a film as a PNG file of 8 bits for each channel, sRGB, whole or not at all. Radiance of 1 is white; what is
+/// brighter is clipped: see [`Film::expose`].
+pub fn write_png(film: &Film, file: &Path) -> io::Result<()> {
+    let picture = FrameFormat::Png.picture(film);
+    write_atomic(file, &FrameFormat::Png.encode(&picture, "")?)
 }
 
 #[cfg(test)]

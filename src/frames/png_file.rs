@@ -1,20 +1,10 @@
 //! PNG files: sRGB codes, with a text beside them.
 
-use super::format::FrameFormat;
 use super::picture::{Contents, NOTE, Picture};
-use crate::film::Film;
-use crate::storage::write_atomic;
 use png::{BitDepth, ColorType, DecodeOptions, Decoder, Info, Limits};
 use std::fs::File;
 use std::io::{self, BufReader, Cursor};
 use std::path::Path;
-
-/// Writes a film as a PNG file of 8 bits for each channel, sRGB, whole or not at all. Radiance of 1 is white; what is
-/// brighter is clipped: see [`Film::expose`].
-pub fn write_png(film: &Film, file: &Path) -> io::Result<()> {
-    let picture = FrameFormat::Png.picture(film);
-    write_atomic(file, &encode(&picture, BitDepth::Eight, "")?)
-}
 
 /// The bytes of a file that holds a picture and says `note`, unless that is empty.
 pub(super) fn encode(picture: &Picture, depth: BitDepth, note: &str) -> io::Result<Vec<u8>> {

@@ -1,8 +1,10 @@
+//! Boxes as triangle meshes.
+
 use glam::DVec3;
 
-/// The corners and the triangles of a box from `min` to `max`, seen from outside.
+/// The vertices of a box from `min` to `max`, and its triangles, counter-clockwise seen from outside.
 pub fn cuboid(min: DVec3, max: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
-    let corner = |i: usize| {
+    let vertex = |i: usize| {
         let pick = |axis: usize| {
             if i >> axis & 1 == 0 {
                 min[axis]
@@ -22,5 +24,5 @@ pub fn cuboid(min: DVec3, max: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     ];
     let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
     let triangles = sides.into_iter().flat_map(halves);
-    ((0..8).map(corner).collect(), triangles.collect())
+    ((0..8).map(vertex).collect(), triangles.collect())
 }

@@ -1,26 +1,28 @@
+//! Indexed triangle meshes with interpolated normals and texture coordinates.
+
 use super::triangle;
 use glam::{DVec3, Vec2, Vec3};
 
-/// Corners in world space that triangles share.
+/// The vertices of a mesh in world space, shared by its triangles.
 ///
-/// `normals` and `uvs` are empty or as long as `positions`. Corners with the same position have
-/// bit-identical coordinates, so that no ray slips between neighbours.
+/// `normals` and `uvs` are empty or as long as `positions`. Vertices with the same position have
+/// bit-identical coordinates, so that no ray passes between neighbours.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// World-space positions of the corners.
+    /// World-space positions of the vertices.
     pub positions: Vec<Vec3>,
-    /// World-space unit shading normals of the corners; a zero vector asks for the triangle's own.
+    /// World-space unit shading normals of the vertices; a zero vector asks for the triangle's own.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates of the corners.
+    /// Texture coordinates of the vertices.
     pub uvs: Vec<Vec2>,
 }
 
-/// The indices of a triangle's corners in its mesh.
-pub type Corners = [u32; 3];
+/// The indices of a triangle's vertices in its mesh.
+pub type VertexIndices = [u32; 3];
 
 impl Mesh {
-    /// The positions of three corners.
-    pub fn triangle(&self, [a, b, c]: Corners) -> [Vec3; 3] {
+    /// The positions of a triangle's vertices.
+    pub fn triangle(&self, [a, b, c]: VertexIndices) -> [Vec3; 3] {
         [
             self.positions[a as usize],
             self.positions[b as usize],
@@ -30,24 +32,24 @@ impl Mesh {
 
     /// The unit normal of a triangle's winding (counter-clockwise seen from its side), or none for
     /// a triangle without area.
-    pub fn geometric_normal(&self, corners: Corners) -> Option<Vec3> {
+    pub fn geometric_normal(&self, vertices: VertexIndices) -> Option<Vec3> {
         // In double precision the normal of a sliver is as good as that of any other triangle.
-        let normal = triangle::normal(self.triangle(corners));
+        let normal = triangle::normal(self.triangle(vertices));
         let largest = normal.abs().max_element();
         // Scaled first: the square of a tiny triangle's area would be 0.
         (largest > 0.0).then(|| (normal / largest).normalize().as_vec3())
     }
 
-    /// The weights of a triangle's corners at `point`, which lies on it; their sum is 1.
-    pub fn weights(&self, corners: Corners, point: DVec3) -> [f32; 3] {
-        let (u, v) = triangle::barycentric(point, self.triangle(corners));
+    /// The barycentric weights of a triangle's vertices at `point`, which lies on it; their sum is 1.
+    pub fn weights(&self, vertices: VertexIndices, point: DVec3) -> [f32; 3] {
+        let (u, v) = triangle::barycentric(point, self.triangle(vertices));
         [(1.0 - u - v) as f32, u as f32, v as f32]
     }
 
-    /// The unit shading normal at corner weights; `geometric_normal` where the mesh has no other.
+    /// The unit shading normal at barycentric weights; `geometric_normal` where the mesh has no other.
     pub fn shading_normal(
         &self,
-        corners: Corners,
+        vertices: VertexIndices,
         weights: [f32; 3],
         geometric_normal: Vec3,
     ) -> Vec3 {
@@ -55,22 +57,22 @@ impl Mesh {
             return geometric_normal;
         }
         let mut sum = Vec3::ZERO;
-        for (corner, weight) in corners.into_iter().zip(weights) {
-            let normal = self.normals[corner as usize];
+        for (vertex, weight) in vertices.into_iter().zip(weights) {
+            let normal = self.normals[vertex as usize];
             let has_none = normal == Vec3::ZERO;
             sum += weight * if has_none { geometric_normal } else { normal };
         }
         sum.normalize_or(geometric_normal)
     }
 
-    /// The texture coordinates at corner weights; zero where the mesh has none.
-    pub fn uv(&self, corners: Corners, weights: [f32; 3]) -> Vec2 {
+    /// The texture coordinates at barycentric weights; zero where the mesh has none.
+    pub fn uv(&self, vertices: VertexIndices, weights: [f32; 3]) -> Vec2 {
         if self.uvs.is_empty() {
             return Vec2::ZERO;
         }
         let mut sum = Vec2::ZERO;
-        for (corner, weight) in corners.into_iter().zip(weights) {
-            sum += weight * self.uvs[corner as usize];
+        for (vertex, weight) in vertices.into_iter().zip(weights) {
+            sum += weight * self.uvs[vertex as usize];
         }
         sum
     }
@@ -87,15 +89,15 @@ mod tests {
             normals: vec![Vec3::Z, Vec3::X, Vec3::ZERO],
             uvs: vec![Vec2::ZERO, Vec2::X, Vec2::new(0.0, 4.0)],
         };
-        let corners = [0, 1, 2];
-        let weights = mesh.weights(corners, DVec3::new(0.5, 0.25, 0.0));
+        let vertices = [0, 1, 2];
+        let weights = mesh.weights(vertices, DVec3::new(0.5, 0.25, 0.0));
         assert_eq!(weights, [0.25, 0.5, 0.25]);
-        assert_eq!(mesh.geometric_normal(corners), Some(Vec3::Z));
-        // The third corner has no normal of its own: it takes the triangle's.
+        assert_eq!(mesh.geometric_normal(vertices), Some(Vec3::Z));
+        // The third vertex has no normal of its own: it takes the triangle's.
         let expected = Vec3::new(0.5, 0.0, 0.5).normalize();
-        let normal = mesh.shading_normal(corners, weights, Vec3::Z);
+        let normal = mesh.shading_normal(vertices, weights, Vec3::Z);
         assert!((normal - expected).length() < 1e-6);
-        assert_eq!(mesh.uv(corners, weights), Vec2::new(0.5, 1.0));
+        assert_eq!(mesh.uv(vertices, weights), Vec2::new(0.5, 1.0));
     }
 
     #[test]

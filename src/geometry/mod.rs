@@ -1,4 +1,5 @@
-//! Shapes in world space and what a ray's meeting with one leaves behind.
+//! Shapes in world space: triangles of meshes and spheres, with their intersections, distances, normals and
+//! texture coordinates.
 //!
 //! Knows nothing of materials, files or acceleration structures.
 
@@ -12,7 +13,7 @@ mod triangle;
 
 pub use cuboid::cuboid;
 pub use hit::Hit;
-pub use mesh::{Corners, Mesh};
+pub use mesh::{Mesh, VertexIndices};
 pub use polygon::{fan, triangulate};
 pub use sphere::Sphere;
 pub use transform::Transform;

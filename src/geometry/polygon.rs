@@ -1,32 +1,31 @@
+//! Triangulation of planar polygons.
+
 use glam::{DVec2, DVec3};
 
-/// Cutting takes a time that grows with the square of the corners, and in the worst case with the
-/// cube.
-const MOST_CORNERS: usize = 1024;
+/// Ear clipping takes time quadratic in the number of vertices, in the worst case cubic.
+const MAX_VERTICES: usize = 1024;
 
-/// Triangles of less than this share of the polygon may be wound the wrong way: nobody sees it, and
-/// corners in a line are often so.
+/// Triangles whose area is below this fraction of the polygon's may be wound the wrong way: they are invisible,
+/// and collinear vertices often cause them.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// Cuts a polygon into triangles of its corners, wound as it is: into a fan around the first corner
-/// if that covers it, else by cutting off ears (Meisters 1975, "Polygons have ears"). There are three
-/// corners or more; they need not lie in a plane.
+/// Triangulates a polygon of three vertices or more, keeping its winding: as a fan around the first vertex if that
+/// covers it, else by ear clipping (Meisters 1975, "Polygons have ears"). Vertices need not be coplanar.
 ///
-/// None for those that cannot be cut so, since they cross themselves, and for concave ones of more than
-/// 1024 corners.
-pub fn triangulate(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
-    let fan = fan(corners.len());
+/// None for polygons that intersect themselves, and for concave ones of more than 1024 vertices.
+pub fn triangulate(vertices: &[DVec3]) -> Option<Vec<[usize; 3]>> {
+    let fan = fan(vertices.len());
     if fan.len() == 1 {
         return Some(fan);
     }
-    let flat = flattened(corners);
+    let flat = projected(vertices);
     let area = |[a, b, c]: [usize; 3]| (flat[b] - flat[a]).perp_dot(flat[c] - flat[a]);
     let whole: f64 = fan.iter().map(|&triangle| area(triangle).abs()).sum();
     let is_wound = |triangle| area(triangle) >= -NEGLIGIBLE * whole;
     if fan.iter().all(|&triangle| is_wound(triangle)) {
         return Some(fan);
     }
-    if flat.len() > MOST_CORNERS {
+    if flat.len() > MAX_VERTICES {
         return None;
     }
     let is_inside = |p: usize, [a, b, c]: [usize; 3]| {
@@ -49,30 +48,31 @@ pub fn triangulate(corners: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     is_wound(last).then_some(triangles)
 }
 
-/// The triangles around the first of some corners.
-pub fn fan(corners: usize) -> Vec<[usize; 3]> {
-    (2..corners).map(|i| [0, i - 1, i]).collect()
+/// The triangles of a fan around the first of so many vertices.
+pub fn fan(vertices: usize) -> Vec<[usize; 3]> {
+    (2..vertices).map(|i| [0, i - 1, i]).collect()
 }
 
-/// The corners as they are seen against their mean normal, so that they run counter-clockwise.
-fn flattened(corners: &[DVec3]) -> Vec<DVec2> {
-    let from = |p: DVec3| p - corners[0];
-    let normal: DVec3 = corners
+/// The vertices projected along their mean normal, so that they run counter-clockwise.
+fn projected(vertices: &[DVec3]) -> Vec<DVec2> {
+    let from = |p: DVec3| p - vertices[0];
+    let normal: DVec3 = vertices
         .windows(2)
         .map(|pair| from(pair[0]).cross(from(pair[1])))
         .sum();
     let (right, up) = normal.normalize_or(DVec3::Z).any_orthonormal_pair();
     let flat = |p: DVec3| DVec2::new(p.dot(right), p.dot(up));
-    corners.iter().map(|&p| flat(from(p))).collect()
+    vertices.iter().map(|&p| flat(from(p))).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn area(corners: &[DVec3], triangles: &[[usize; 3]]) -> DVec3 {
-        let doubled =
-            |[a, b, c]: &[usize; 3]| (corners[*b] - corners[*a]).cross(corners[*c] - corners[*a]);
+    fn area(vertices: &[DVec3], triangles: &[[usize; 3]]) -> DVec3 {
+        let doubled = |[a, b, c]: &[usize; 3]| {
+            (vertices[*b] - vertices[*a]).cross(vertices[*c] - vertices[*a])
+        };
         triangles.iter().map(doubled).sum::<DVec3>() * 0.5
     }
 
@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn concave_polygons_are_cut_inside() {
-        // An arrow head whose first corner does not see the third, and a comb.
+        // An arrow head whose first vertex does not see the third, and a comb.
         let arrow = vec![(0.0, 0.0), (2.0, -1.0), (1.0, 0.0), (2.0, 1.0)];
         let mut comb = vec![(20.5, -1.0)];
         for tooth in 0..10 {
@@ -103,16 +103,16 @@ mod tests {
         comb.push((0.0, -1.0));
         for outline in [arrow, comb] {
             for turn in 0..outline.len() {
-                let mut corners: Vec<DVec3> = outline
+                let mut vertices: Vec<DVec3> = outline
                     .iter()
                     .map(|&(x, y)| DVec3::new(x, 0.0, y))
                     .collect();
-                corners.rotate_left(turn);
-                let triangles = triangulate(&corners).expect("cut");
-                assert_eq!(triangles.len(), corners.len() - 2);
+                vertices.rotate_left(turn);
+                let triangles = triangulate(&vertices).expect("cut");
+                assert_eq!(triangles.len(), vertices.len() - 2);
                 // They cover the polygon once: none is wound the other way.
-                let single = triangles.iter().map(|&t| area(&corners, &[t]).length());
-                let whole = area(&corners, &triangles).length();
+                let single = triangles.iter().map(|&t| area(&vertices, &[t]).length());
+                let whole = area(&vertices, &triangles).length();
                 assert!((single.sum::<f64>() - whole).abs() < 1e-9);
             }
         }

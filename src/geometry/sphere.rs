@@ -1,3 +1,5 @@
+//! Spheres.
+
 use crate::math::{Aabb, Ray};
 use glam::{DMat3, DVec3, Vec2, Vec3};
 
@@ -10,12 +12,12 @@ pub struct Sphere {
     pub center: DVec3,
     /// The radius; above 0.
     pub radius: f64,
-    /// Object to world: turns the texture.
+    /// Object to world: it rotates the texture.
     pub rotation: DMat3,
 }
 
 impl Sphere {
-    /// One that is not turned.
+    /// A sphere without rotation.
     pub fn new(center: DVec3, radius: f64) -> Sphere {
         Sphere {
             center,
@@ -43,11 +45,11 @@ impl Sphere {
             .find(|&t| t > 0.0 && t < f64::from(ray.t_max))
     }
 
-    /// How deep a line goes into the sphere: the radius squared less the squared distance from the
-    /// centre, below 0 for a line that passes by.
+    /// The squared radius minus the squared distance of a line from the centre: the discriminant, up to a
+    /// factor; negative for a line that misses the sphere.
     #[inline(always)]
     pub fn depth(&self, [ox, oy, oz]: [f64; 3], [dx, dy, dz]: [f64; 3]) -> f64 {
-        // Not from b^2 - ac, which cancels. Plain numbers, so that loops over rays become vector code.
+        // Not from b^2 - ac, which cancels. Scalars, so that loops over rays are vectorised.
         let DVec3 { x, y, z } = self.center;
         let (x, y, z) = (ox - x, oy - y, oz - z);
         let along = (x * dx + y * dy + z * dz) / (dx * dx + dy * dy + dz * dz);
@@ -73,7 +75,7 @@ impl Sphere {
         Vec2::new(u as f32, v as f32)
     }
 
-    /// The smallest box around the sphere, grown by the rounding of its corners.
+    /// The smallest box around the sphere, rounded outwards.
     pub fn bounds(&self) -> Aabb {
         let radius = DVec3::splat(self.radius);
         let down = |v: DVec3| Vec3::from_array(v.to_array().map(|x| (x as f32).next_down()));

@@ -1,3 +1,5 @@
+//! Placement of objects: scale, rotation and translation.
+
 use crate::math::rotation_xyz;
 use glam::{DMat3, DVec3};
 

@@ -1,7 +1,9 @@
+//! Triangles in double precision: plane intersection, barycentric coordinates and closest points.
+
 use glam::{DVec3, Vec3};
 
-/// Where lines meet a triangle that they are known to pass through, in double precision, where the
-/// rounding of a few operations on single-precision corners does not show.
+/// Intersects lines with a triangle that they are known to pass through: in double precision, where the rounding
+/// of a few operations on single-precision vertices is negligible.
 #[derive(Clone, Copy, Debug)]
 pub struct TrianglePlane {
     point: DVec3,
@@ -12,7 +14,7 @@ pub struct TrianglePlane {
 }
 
 impl TrianglePlane {
-    /// The plane through three corners.
+    /// The plane through three vertices.
     #[inline(always)]
     pub fn through([a, b, c]: [Vec3; 3]) -> TrianglePlane {
         TrianglePlane {
@@ -45,20 +47,20 @@ impl TrianglePlane {
         self.max.max(-self.min).max_element()
     }
 
-    /// In place of the distance `t` where it gives a point outside the triangle's box, grown by `growth`
-    /// on all sides: the nearest one inside; NaN if the line passes by the box.
+    /// The parameter nearest to `t` at which the line is inside the triangle's box, padded on all sides; NaN if
+    /// the line misses that box.
     ///
-    /// So what is found does not depend on which larger boxes are looked into, in which order, be the
-    /// plane as steep as it may.
+    /// It replaces a `t` whose point is outside, so that hits do not depend on which boxes of a tree are visited
+    /// in which order, however steep the plane.
     #[cold]
     #[inline(never)]
-    pub fn distance_in_box(&self, origin: DVec3, direction: DVec3, growth: f64, t: f64) -> f64 {
+    pub fn distance_in_box(&self, origin: DVec3, direction: DVec3, padding: f64, t: f64) -> f64 {
         let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
             let inverse = 1.0 / direction[axis];
-            let low = (self.min[axis] - growth - origin[axis]) * inverse;
-            let high = (self.max[axis] + growth - origin[axis]) * inverse;
-            // NaN, which a line inside a box's side gives, counts for nothing here.
+            let low = (self.min[axis] - padding - origin[axis]) * inverse;
+            let high = (self.max[axis] + padding - origin[axis]) * inverse;
+            // A line in the plane of a box's side gives NaN, which `min` and `max` ignore.
             near = near.max(low.min(high));
             far = far.min(low.max(high));
         }
@@ -70,23 +72,23 @@ impl TrianglePlane {
     }
 }
 
-/// The weights of the second and the third corner at a point of the triangle's plane, clamped to
-/// the triangle.
-pub(super) fn barycentric(point: DVec3, corners: [Vec3; 3]) -> (f64, f64) {
-    let [a, b, c] = corners.map(|p| p.as_dvec3());
-    let normal = normal(corners);
+/// The barycentric coordinates (u, v) of a point of the triangle's plane, the weights of the second and third
+/// vertex, clamped to the triangle.
+pub(super) fn barycentric(point: DVec3, vertices: [Vec3; 3]) -> (f64, f64) {
+    let [a, b, c] = vertices.map(|p| p.as_dvec3());
+    let normal = normal(vertices);
     let scale = 1.0 / normal.length_squared();
     let u = ((c - a).cross(a - point).dot(normal) * scale).clamp(0.0, 1.0);
     let v = ((a - point).cross(b - a).dot(normal) * scale).clamp(0.0, 1.0 - u);
     (u, v)
 }
 
-/// The distance from a point to the nearest point of a triangle, which may be without area: to its plane in
-/// front of it and behind it, elsewhere to the nearest of its edges (the regions of Ericson 2005, "Real-Time
-/// Collision Detection", 5.1.5). In double precision.
-pub fn distance_to_triangle(point: DVec3, corners: [Vec3; 3]) -> f64 {
-    let normal = normal(corners);
-    let [a, b, c] = corners.map(|p| p.as_dvec3());
+/// The distance from a point to the closest point of a triangle, which may be degenerate: to its plane where the
+/// point projects inside, elsewhere to the nearest edge (the Voronoi regions of Ericson 2005, "Real-Time Collision
+/// Detection", 5.1.5).
+pub fn distance_to_triangle(point: DVec3, vertices: [Vec3; 3]) -> f64 {
+    let normal = normal(vertices);
+    let [a, b, c] = vertices.map(|p| p.as_dvec3());
     let edges = [(a, b), (b, c), (c, a)];
     let is_inside = |(from, to): (DVec3, DVec3)| (to - from).cross(point - from).dot(normal) > 0.0;
     if edges.into_iter().all(is_inside) {
@@ -94,17 +96,17 @@ pub fn distance_to_triangle(point: DVec3, corners: [Vec3; 3]) -> f64 {
     }
     let to_edge = |(from, to): (DVec3, DVec3)| {
         let (along, point) = (to - from, point - from);
-        // No number where the edge has no length.
-        let share = point.dot(along) / along.length_squared();
-        let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
-        point.distance(share * along)
+        // NaN where the edge has no length.
+        let s = point.dot(along) / along.length_squared();
+        let s = if s > 0.0 { s.min(1.0) } else { 0.0 };
+        point.distance(s * along)
     };
     edges.map(to_edge).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// The normal of the winding, twice the area long.
-pub(super) fn normal(corners: [Vec3; 3]) -> DVec3 {
-    let [a, b, c] = corners.map(|p| p.as_dvec3());
+/// The normal of the winding; its length is twice the area.
+pub(super) fn normal(vertices: [Vec3; 3]) -> DVec3 {
+    let [a, b, c] = vertices.map(|p| p.as_dvec3());
     (b - a).cross(c - a)
 }
 
@@ -112,7 +114,7 @@ pub(super) fn normal(corners: [Vec3; 3]) -> DVec3 {
 mod tests {
     use super::*;
 
-    const CORNERS: [Vec3; 3] = [
+    const VERTICES: [Vec3; 3] = [
         Vec3::new(1.0, 0.0, 0.0),
         Vec3::new(5.0, 0.0, 0.0),
         Vec3::new(1.0, 2.0, 0.0),
@@ -122,16 +124,16 @@ mod tests {
     fn barycentric_weights_of_known_points() {
         for (u, v) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.25, 0.5)] {
             let point = DVec3::new(1.0 + 4.0 * u, 2.0 * v, 0.0);
-            assert_eq!(barycentric(point, CORNERS), (u, v));
+            assert_eq!(barycentric(point, VERTICES), (u, v));
         }
         assert_eq!(
-            barycentric(DVec3::new(0.999, -0.001, 0.0), CORNERS),
+            barycentric(DVec3::new(0.999, -0.001, 0.0), VERTICES),
             (0.0, 0.0)
         );
     }
 
     #[test]
-    fn distances_to_face_edges_and_corners() {
+    fn distances_to_face_edges_and_vertices() {
         for (x, y, z, distance) in [
             (2.0, 0.5, 3.0, 3.0),
             (2.0, 0.5, -0.25, 0.25),
@@ -143,14 +145,14 @@ mod tests {
             (1.0, 6.0, 3.0, 5.0),
             (0.0, -1.0, 0.0, 2.0_f64.sqrt()),
         ] {
-            let found = distance_to_triangle(DVec3::new(x, y, z), CORNERS);
+            let found = distance_to_triangle(DVec3::new(x, y, z), VERTICES);
             assert!((found - distance).abs() < 1e-15, "{found} at {x} {y} {z}");
         }
     }
 
     #[test]
     fn triangles_without_area_have_a_distance() {
-        let [a, b, _] = CORNERS;
+        let [a, b, _] = VERTICES;
         let point = DVec3::new(1.0, 3.0, 4.0);
         assert_eq!(distance_to_triangle(point, [a; 3]), 5.0);
         assert_eq!(distance_to_triangle(point, [a, b, a]), 5.0);
@@ -162,10 +164,10 @@ mod tests {
     fn distances_are_those_of_the_nearest_point() {
         let mut random = crate::sampling::Random::new(5);
         for _ in 0..50 {
-            let corners = random.triangle(1.0, 1.0);
-            let [a, b, c] = corners.map(|p| p.as_dvec3());
+            let vertices = random.triangle(1.0, 1.0);
+            let [a, b, c] = vertices.map(|p| p.as_dvec3());
             let point = 2.0 * random.point();
-            let found = distance_to_triangle(point, corners);
+            let found = distance_to_triangle(point, vertices);
             let mut least = f64::INFINITY;
             for i in 0..=100 {
                 for j in 0..=100 - i {
@@ -182,7 +184,7 @@ mod tests {
 
     fn distance(origin: Vec3, direction: Vec3) -> f64 {
         let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
-        let plane = TrianglePlane::through(CORNERS);
+        let plane = TrianglePlane::through(VERTICES);
         let t = plane.distance(origin, direction);
         if plane.outside(origin + t * direction) <= 1e-6 {
             t
@@ -206,7 +208,7 @@ mod tests {
         assert!(distance(Vec3::new(2.0, 2.1, 3.0), down).is_nan());
         // On the side of the box.
         assert_eq!(distance(Vec3::new(1.0, 0.5, 3.0), down), 6.0);
-        // Past the corner at (5, 0, 0), in the box all the same; and so steep that the plane is met
+        // Past the vertex at (5, 0, 0), in the box all the same; and so steep that the plane is met
         // only far behind it: there it leaves the grown box.
         assert_eq!(distance(Vec3::new(5.0, 2.0, 3.0), down), 6.0);
         let steep = distance(Vec3::new(0.0, 0.5, 5e-7), Vec3::new(1.0, 0.0, -1e-9));

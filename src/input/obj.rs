@@ -83,7 +83,7 @@ pub(super) fn load(
     }
     if crossed > 0 {
         warn(format!(
-            "{crossed} faces cross themselves, or are concave and of very many corners, and are cut \
+            "{crossed} faces cross themselves, or are concave and of very many vertices, and are cut \
              into fans; they may look wrong"
         ));
     }
@@ -113,12 +113,12 @@ fn part(mesh: tobj::Mesh, crossed: &mut usize) -> ObjPart {
         // tobj gives no arities if all faces are triangles.
         let arity = arities.next().map_or(3, |&arity| arity as usize);
         let (face, others) = rest.split_at(arity);
-        let corners: Vec<DVec3> = face.iter().map(|&i| positions[i as usize]).collect();
-        let cut = triangulate(&corners).unwrap_or_else(|| {
+        let vertices: Vec<DVec3> = face.iter().map(|&i| positions[i as usize]).collect();
+        let cut = triangulate(&vertices).unwrap_or_else(|| {
             *crossed += 1;
             fan(arity)
         });
-        triangles.extend(cut.into_iter().map(|corners| corners.map(|i| face[i])));
+        triangles.extend(cut.into_iter().map(|vertices| vertices.map(|i| face[i])));
         rest = others;
     }
     ObjPart {
@@ -171,8 +171,8 @@ mod tests {
     #[test]
     fn comments_end_with_their_line() {
         let model = load_text("# a\\\nv 0 0 0 # b\\\nv 9 0 \\\n0\nv 0 9 0\nf 1 2 3\n");
-        let corners = model.expect("a triangle").parts[0].positions.clone();
-        assert_eq!(corners, [DVec3::ZERO, 9.0 * DVec3::X, 9.0 * DVec3::Y]);
+        let vertices = model.expect("a triangle").parts[0].positions.clone();
+        assert_eq!(vertices, [DVec3::ZERO, 9.0 * DVec3::X, 9.0 * DVec3::Y]);
     }
 
     #[test]
@@ -199,7 +199,7 @@ mod tests {
             let error = load_text(text).expect_err(text).to_string();
             assert!(error.starts_with(expected), "{error}");
         }
-        for (corners, expected) in [
+        for (vertices, expected) in [
             ("1 2 9", "9 names `v` number 9; 3 stand before it"),
             ("1 2 -4", "-4 names `v` number -4; 3 stand"),
             ("0 1 2", "0 names `v` number 0; 3 stand"),
@@ -216,7 +216,7 @@ mod tests {
             ("1 2 3 four", "four names `v` number four"),
             ("1 2 3 # a comment", ""),
         ] {
-            let error = load_text(&format!("{triangle}f {corners}\n")).map(|_| ());
+            let error = load_text(&format!("{triangle}f {vertices}\n")).map(|_| ());
             let error = error.map_or_else(|error| error.to_string(), |()| String::new());
             let expected = match expected {
                 "" => String::new(),
@@ -239,8 +239,8 @@ mod tests {
         assert_eq!(
             model.warnings,
             [
-                "x.obj: not used: 1 `F`, 1 `f` of fewer than three corners, 1 `f` with texture \
-                 coordinates or normals at some corners only: these, 1 `l`, 1 `p`, 2 colours of `v`",
+                "x.obj: not used: 1 `F`, 1 `f` of fewer than three vertices, 1 `f` with texture \
+                 coordinates or normals at some vertices only: these, 1 `l`, 1 `p`, 2 colours of `v`",
                 "x.obj: 1 triangles name no material of its libraries and are made grey; give the \
                  object a `material`",
             ]

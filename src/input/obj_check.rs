@@ -8,7 +8,7 @@ use std::fmt::Write;
 /// Checks the statements of an OBJ file and counts what of it is not used.
 ///
 /// tobj takes lines for polygons and an index that is out of range for one that is not given, and it
-/// cannot keep corners with and without normals, or texture coordinates, apart in one group of faces:
+/// cannot keep vertices with and without normals, or texture coordinates, apart in one group of faces:
 /// so a group ends where the faces' form changes.
 #[derive(Default)]
 pub(super) struct ObjCheck {
@@ -18,13 +18,13 @@ pub(super) struct ObjCheck {
     pub(super) unused: Unused,
 }
 
-/// Whether the corners of a face have texture coordinates, and normals.
+/// Whether the vertices of a face have texture coordinates, and normals.
 type FaceForm = [bool; 2];
 
-/// The indices of a corner as they stand in the file.
-type Corner = [Option<i64>; 3];
+/// The indices of a vertex as they stand in the file.
+type FaceVertex = [Option<i64>; 3];
 
-/// What a corner's indices count.
+/// What a vertex's indices count.
 const LISTS: [&str; 3] = ["v", "vt", "vn"];
 
 impl ObjCheck {
@@ -94,27 +94,27 @@ impl ObjCheck {
     }
 
     fn face(&mut self, words: &[&str], out: &mut String) -> Result<(), String> {
-        let corners: Vec<Corner> = words
+        let vertices: Vec<FaceVertex> = words
             .iter()
-            .map(|word| self.corner(word))
+            .map(|word| self.face_vertex(word))
             .collect::<Result<_, _>>()?;
-        if corners.len() < 3 {
-            self.unused.add("`f` of fewer than three corners");
+        if vertices.len() < 3 {
+            self.unused.add("`f` of fewer than three vertices");
             return Ok(());
         }
-        let has = |corner: &Corner| [corner[1].is_some(), corner[2].is_some()];
-        let all = |i: usize| corners.iter().all(|corner| has(corner)[i]);
+        let has = |vertex: &FaceVertex| [vertex[1].is_some(), vertex[2].is_some()];
+        let all = |i: usize| vertices.iter().all(|vertex| has(vertex)[i]);
         let form = [all(0), all(1)];
-        if corners.iter().any(|corner| has(corner) != form) {
+        if vertices.iter().any(|vertex| has(vertex) != form) {
             self.unused
-                .add("`f` with texture coordinates or normals at some corners only: these");
+                .add("`f` with texture coordinates or normals at some vertices only: these");
         }
         if self.form.is_some_and(|last| last != form) {
             out.push_str("g\n");
         }
         self.form = Some(form);
         out.push('f');
-        for [v, vt, vn] in corners {
+        for [v, vt, vn] in vertices {
             for (separator, index) in [
                 (" ", v),
                 ("/", vt.filter(|_| form[0])),
@@ -130,18 +130,18 @@ impl ObjCheck {
         Ok(())
     }
 
-    /// The indices of a corner: `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-    fn corner(&self, word: &str) -> Result<Corner, String> {
-        let mut corner = Corner::default();
+    /// The indices of a vertex: `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    fn face_vertex(&self, word: &str) -> Result<FaceVertex, String> {
+        let mut vertex = FaceVertex::default();
         for (i, index) in word.split('/').enumerate() {
-            if i >= corner.len() || (i == 0 && index.is_empty()) {
+            if i >= vertex.len() || (i == 0 && index.is_empty()) {
                 return Err(format!("`f`: {word} is not v, v/vt, v//vn or v/vt/vn"));
             }
             if index.is_empty() {
                 continue;
             }
             let count = self.counts[i];
-            corner[i] = match index.parse::<i64>() {
+            vertex[i] = match index.parse::<i64>() {
                 Ok(index) if index != 0 && index.unsigned_abs() <= count as u64 => Some(index),
                 _ => {
                     let list = LISTS[i];
@@ -152,6 +152,6 @@ impl ObjCheck {
                 }
             };
         }
-        Ok(corner)
+        Ok(vertex)
     }
 }

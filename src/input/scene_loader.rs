@@ -279,11 +279,11 @@ impl Loader<'_> {
                 MeshMaterial::Uniform(self.material(&format!("{key}.material"), name)?)
             }
             (None, Some(names)) => {
-                let mut corners = [0; 3];
+                let mut materials = [0; 3];
                 for (i, name) in names.iter().enumerate() {
-                    corners[i] = self.material(&format!("{key}.vertex_materials[{i}]"), name)?;
+                    materials[i] = self.material(&format!("{key}.vertex_materials[{i}]"), name)?;
                 }
-                MeshMaterial::PerVertex(corners)
+                MeshMaterial::PerVertex(materials)
             }
             _ => {
                 let message = "give either `material` or `vertex_materials: [a, b, c]`";

@@ -1,6 +1,6 @@
 //! Indirect diffuse light from the irradiance cache, with a final gather where no record is near.
 
-use super::final_gather::{FinalGather, GatherPoint};
+use super::final_gather::{FinalGather, GatherPoint, gather_for};
 use super::whitted::Wavefront;
 use super::{CameraSample, ambient};
 use crate::accel::Traversal;
@@ -12,7 +12,7 @@ use glam::Vec3;
 /// Paths of a final gather: few points need one, and every camera sample has its own.
 const GATHER_PATHS: u32 = 16;
 
-/// Looks the indirect light of camera samples up.
+/// The indirect light of camera samples, from a cache.
 pub(super) struct CachedIrradiance<'a> {
     pub(super) cache: &'a IrradianceCache,
     pub(super) final_gather: &'a FinalGather<'a>,
@@ -42,7 +42,9 @@ impl CachedIrradiance<'_> {
         let primary = &self.cache.primary[wavefront.bounces_left as usize - 1];
         let mut indirect = vec![Vec3::ZERO; count];
         let mut missed = Vec::new();
-        for (index, light) in indices.into_iter().zip(primary.mean_radiance(&points)) {
+        let kernel = self.final_gather.scene().kernel();
+        let found = primary.mean_radiance(&points, kernel);
+        for (index, light) in indices.into_iter().zip(found) {
             match light {
                 Some(light) => indirect[index] = light,
                 None => missed.push(index),
@@ -60,7 +62,8 @@ impl CachedIrradiance<'_> {
             })
         };
         let points: Vec<GatherPoint> = missed.iter().filter_map(point).collect();
-        let gathered = self.final_gather.gather_for::<F>(
+        let gathered = gather_for::<F>(
+            self.final_gather,
             &points,
             wavefront.bounces_left,
             GATHER_PATHS,

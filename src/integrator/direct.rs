@@ -1,9 +1,10 @@
 //! Direct light of all point lights at many surfaces at once.
 
-use crate::accel::{PACKET, Points, Sight, Traversal};
+use crate::accel::Traversal;
 use crate::material::Features;
 use crate::math::Ray;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Scene, ShadowPacket, Surface, SurfacePointPacket};
+use crate::simd::PACKET_WIDTH;
 use glam::Vec3;
 
 /// A light that illuminates a surface without occlusion.
@@ -25,9 +26,9 @@ pub(super) fn direct_lighting_coherent<F: Features>(
     rays: &[Ray],
     traversal: &mut Traversal,
 ) -> Vec<Vec3> {
-    let occluded = |sights: &[Sight]| {
-        let of_sight = |sight| scene.occluded_of_sight(sight, traversal);
-        sights.iter().map(of_sight).collect()
+    let occluded = |shadow_packets: &[ShadowPacket]| {
+        let of_packet = |shadow_packet| scene.occluded_coherent(shadow_packet, traversal);
+        shadow_packets.iter().map(of_packet).collect()
     };
     direct_lighting::<F>(scene, surfaces, rays, occluded, |_| {})
 }
@@ -40,7 +41,8 @@ pub(super) fn direct_lighting_incoherent<F: Features>(
     traversal: &mut Traversal,
     on_contribution: impl FnMut(&LightContribution),
 ) -> Vec<Vec3> {
-    let occluded = |sights: &[Sight]| scene.occluded_of_sights(sights, traversal);
+    let occluded =
+        |shadow_packets: &[ShadowPacket]| scene.occluded_incoherent(shadow_packets, traversal);
     direct_lighting::<F>(scene, surfaces, rays, occluded, on_contribution)
 }
 
@@ -53,7 +55,7 @@ fn direct_lighting<F: Features>(
     scene: &Scene,
     surfaces: &[Option<Surface>],
     rays: &[Ray],
-    mut occluded: impl FnMut(&[Sight]) -> Vec<u32>,
+    mut occluded: impl FnMut(&[ShadowPacket]) -> Vec<u32>,
     mut on_contribution: impl FnMut(&LightContribution),
 ) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; surfaces.len()];
@@ -62,27 +64,34 @@ fn direct_lighting<F: Features>(
         .filter_map(|(index, surface)| Some((index, surface.as_ref()?)))
         .filter(|(_, surface)| surface.reflectance.reflects_light::<F>())
         .collect();
-    let packets = reflecting.chunks(PACKET).map(|surfaces| {
-        let mut points = Points::default();
+    let packets = reflecting.chunks(PACKET_WIDTH).map(|surfaces| {
+        let mut points = SurfacePointPacket::default();
         for (_, surface) in surfaces {
             points.push(&surface.point);
         }
         points
     });
-    let packets: Vec<Points> = packets.collect();
-    let mut sights = Vec::with_capacity(packets.len());
+    let packets: Vec<SurfacePointPacket> = packets.collect();
+    let mut shadow_packets = Vec::with_capacity(packets.len());
     for (light_index, light) in scene.lights.iter().enumerate() {
-        sights.clear();
-        sights.extend(packets.iter().map(|p| scene.look(p, light.position)));
-        let is_occluded = occluded(&sights);
-        let packets = reflecting.chunks(PACKET).zip(&sights).zip(&is_occluded);
-        for ((surfaces, sight), occluded) in packets {
-            for lane in sight.clear(*occluded) {
+        shadow_packets.clear();
+        shadow_packets.extend(
+            packets
+                .iter()
+                .map(|p| scene.shadow_rays_to(p, light.position)),
+        );
+        let is_occluded = occluded(&shadow_packets);
+        let packets = reflecting
+            .chunks(PACKET_WIDTH)
+            .zip(&shadow_packets)
+            .zip(&is_occluded);
+        for ((surfaces, shadow_packet), occluded) in packets {
+            for lane in shadow_packet.unoccluded(*occluded) {
                 let (index, surface) = surfaces[lane];
-                let distance = sight.distance(lane);
+                let distance = shadow_packet.distance(lane);
                 let reflected = surface.reflectance.reflect_light::<F>(
                     surface.point.shading_normal,
-                    sight.direction(lane),
+                    shadow_packet.direction(lane),
                     -rays[index].direction,
                 );
                 sums[index] += reflected * light.color_at(distance * distance);
@@ -90,7 +99,7 @@ fn direct_lighting<F: Features>(
                     surface: index,
                     light: light_index,
                     distance,
-                    cosine: sight.cosine(lane),
+                    cosine: shadow_packet.cosine(lane),
                 });
             }
         }

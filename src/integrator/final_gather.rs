@@ -4,12 +4,12 @@ use super::for_each_feature_set;
 use super::light_sampler::LightSampler;
 use super::path_state::{PathState, Technique};
 use super::path_tracer::PathTracer;
-use crate::accel::{Point, Traversal};
+use crate::accel::Traversal;
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::{FeatureSet, Features, Reflectance};
 use crate::math::Ray;
 use crate::sampling::Sequence;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Scene, Surface, SurfacePoint};
 use glam::Vec3;
 use std::marker::PhantomData;
 
@@ -17,7 +17,7 @@ use std::marker::PhantomData;
 #[derive(Clone, Copy, Debug)]
 pub struct GatherPoint {
     /// The point.
-    pub point: Point,
+    pub point: SurfacePoint,
     /// The random numbers.
     pub sequence: Sequence,
     /// Sample index within `sequence`: points with the same sequence have different indices.
@@ -58,52 +58,6 @@ impl<'a> FinalGather<'a> {
         let for_features = GATHER[self.scene().features().number()];
         for_features(self, points, bounces_left, paths, cache, traversal)
     }
-
-    /// [`FinalGather::gather`] for the features of the scene.
-    pub(super) fn gather_for<F: Features>(
-        &self,
-        points: &[GatherPoint],
-        bounces_left: u32,
-        paths: u32,
-        cache: Option<&SecondaryIrradiance>,
-        traversal: &mut Traversal,
-    ) -> Vec<Vec3> {
-        /// Reflects all incident light.
-        const WHITE: Reflectance = Reflectance {
-            diffuse: Vec3::ONE,
-            specular: Vec3::ZERO,
-            shininess: 0.0,
-            reflective: Vec3::ZERO,
-        };
-        let mut path_tracer = PathTracer::<F> {
-            light_sampler: &self.light_sampler,
-            bounces: bounces_left,
-            splits: &[paths],
-            cache,
-            traversal,
-            features: PhantomData,
-        };
-        let surface = |point: &GatherPoint| {
-            Some(Surface {
-                point: point.point,
-                reflectance: WHITE,
-            })
-        };
-        let path = |point: &GatherPoint| PathState {
-            ray: Ray::new(point.point.position, -point.point.shading_normal),
-            sequence: point.sequence,
-            depth: 0,
-            diffuse_bounces: 0,
-            index: point.index,
-            technique: Technique::Only,
-        };
-        let surfaces: Vec<Option<Surface>> = points.iter().map(surface).collect();
-        let paths: Vec<PathState> = points.iter().map(path).collect();
-        let direct = vec![Vec3::ZERO; points.len()];
-        let mut radiance = direct.clone();
-        path_tracer.outgoing_radiance(&paths, &surfaces, &direct, &mut radiance);
-        radiance
-    }
 }
 
 type GatherFor = fn(
@@ -118,7 +72,8 @@ type GatherFor = fn(
 /// [`FinalGather::gather`] for each set of features.
 static GATHER: [GatherFor; FeatureSet::COUNT] = for_each_feature_set!(gather_for);
 
-fn gather_for<F: Features>(
+/// [`FinalGather::gather`] for the features of the scene.
+pub(super) fn gather_for<F: Features>(
     final_gather: &FinalGather,
     points: &[GatherPoint],
     bounces_left: u32,
@@ -126,5 +81,39 @@ fn gather_for<F: Features>(
     cache: Option<&SecondaryIrradiance>,
     traversal: &mut Traversal,
 ) -> Vec<Vec3> {
-    final_gather.gather_for::<F>(points, bounces_left, paths, cache, traversal)
+    /// Reflects all incident light.
+    const WHITE: Reflectance = Reflectance {
+        diffuse: Vec3::ONE,
+        specular: Vec3::ZERO,
+        shininess: 0.0,
+        reflective: Vec3::ZERO,
+    };
+    let mut path_tracer = PathTracer::<F> {
+        light_sampler: &final_gather.light_sampler,
+        bounces: bounces_left,
+        splits: &[paths],
+        cache,
+        traversal,
+        features: PhantomData,
+    };
+    let surface = |point: &GatherPoint| {
+        Some(Surface {
+            point: point.point,
+            reflectance: WHITE,
+        })
+    };
+    let path = |point: &GatherPoint| PathState {
+        ray: Ray::new(point.point.position, -point.point.shading_normal),
+        sequence: point.sequence,
+        depth: 0,
+        diffuse_bounces: 0,
+        index: point.index,
+        technique: Technique::Only,
+    };
+    let surfaces: Vec<Option<Surface>> = points.iter().map(surface).collect();
+    let paths: Vec<PathState> = points.iter().map(path).collect();
+    let direct = vec![Vec3::ZERO; points.len()];
+    let mut radiance = direct.clone();
+    path_tracer.outgoing_radiance(&paths, &surfaces, &direct, &mut radiance);
+    radiance
 }

@@ -248,7 +248,7 @@ fn coherent_surfaces<F: Features>(
     traversal: &mut Traversal,
 ) -> Vec<Option<Surface>> {
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_packet(rays, &mut hits, traversal);
+    scene.closest_coherent(rays, &mut hits, traversal);
     surfaces::<F>(scene, rays, &hits)
 }
 
@@ -279,5 +279,5 @@ fn reflect(surface: &Surface, ray: &Ray) -> Ray {
     } else {
         mirror(viewer, surface.point.geometric_normal)
     };
-    surface.point.leave(reflected)
+    surface.point.spawn_ray(reflected)
 }

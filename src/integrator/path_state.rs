@@ -71,7 +71,7 @@ impl PathState {
         let cosine = direction.dot(surface.point.shading_normal);
         let is_above = cosine > 0.0 && direction.dot(surface.point.geometric_normal) > 0.0;
         is_above.then(|| PathState {
-            ray: surface.point.leave(direction),
+            ray: surface.point.spawn_ray(direction),
             technique: Technique::Guided {
                 cosine_pdf: cosine / PI,
                 primitive: hit.primitive,

@@ -73,7 +73,7 @@ impl<F: Features> PathTracer<'_, F> {
         let scene = self.light_sampler.scene();
         let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
         let mut hits = vec![None; rays.len()];
-        scene.closest_of_wave(&rays, &mut hits, self.traversal);
+        scene.closest_incoherent(&rays, &mut hits, self.traversal);
         let mut surfaces = surfaces::<F>(scene, &rays, &hits);
         let light_sampler = self.light_sampler;
         if light_sampler.is_empty() {
@@ -197,7 +197,7 @@ impl<F: Features> PathTracer<'_, F> {
         let rays: Vec<Ray> = from_lights.iter().map(|&i| splits[i].path.ray).collect();
         let mut hits = vec![None; rays.len()];
         let scene = self.light_sampler.scene();
-        scene.closest_of_wave(&rays, &mut hits, self.traversal);
+        scene.closest_incoherent(&rays, &mut hits, self.traversal);
         for (&i, hit) in from_lights.iter().zip(&hits) {
             let split = &mut splits[i];
             let surface = surfaces[split.parent].as_ref();
@@ -276,7 +276,7 @@ impl<F: Features> PathTracer<'_, F> {
         let direction = to_world(surface.point.shading_normal, local);
         // An interpolated normal gathers nothing from below the geometric horizon.
         (direction.dot(surface.point.geometric_normal) > 0.0).then(|| PathState {
-            ray: surface.point.leave(direction),
+            ray: surface.point.spawn_ray(direction),
             technique: if light_sampler.is_empty() {
                 Technique::Only
             } else {

@@ -1,17 +1,17 @@
 //! The diffuse surfaces that the camera sees, directly and in mirrors: where an irradiance cache needs records.
 
 use super::{coherent_surfaces, for_each_feature_set, reflect};
-use crate::accel::{Point, Traversal};
+use crate::accel::Traversal;
 use crate::material::{FeatureSet, Features};
 use crate::math::Ray;
-use crate::scene::Scene;
+use crate::scene::{Scene, SurfacePoint};
 use glam::Vec3;
 
 /// A point of a diffuse surface that the camera sees, directly or in mirrors.
 #[derive(Clone, Copy, Debug)]
 pub struct VisiblePoint {
     /// The point.
-    pub point: Point,
+    pub point: SurfacePoint,
     /// The length of the path from the camera.
     pub distance: f32,
     /// How many bounces are left there, at least one.

@@ -1,31 +1,38 @@
-//! Interpolation between records at a packet of points: the modified Shepard method, in lanes.
+//! Interpolation between records at a packet of points: Shepard's method with weights of compact support, in lanes.
 
 use super::linear::LinearIrradiance;
 use super::record::{HEIGHT, IrradianceRecord};
 use super::records::IrradianceRecords;
 use crate::math::Aabb;
+use crate::simd::{PACKET_WIDTH, Simd, WithSimd};
 use glam::Vec3;
 
 /// Points that are looked up together.
-pub(super) const LANES: usize = 16;
+pub(super) const LANES: usize = PACKET_WIDTH;
 
 type Lanes = [f32; LANES];
 
 /// The weighted mean of the values of the candidate records at points with unit normals; none where no candidate
 /// covers a point. The result at a point does not depend on the other points.
-#[inline(always)]
-pub(super) fn interpolate(
-    points: &[(Vec3, Vec3); LANES],
-    candidates: &[u32],
-    records: &IrradianceRecords,
-    values: &[LinearIrradiance],
-) -> [Option<Vec3>; LANES] {
-    let mut sums = WeightedSums::new(points, records.normal_weight());
-    for &number in candidates {
-        let number = number as usize;
-        sums.add(&records[number], &values[number]);
+pub(super) struct Interpolate<'a> {
+    pub(super) points: &'a [(Vec3, Vec3); LANES],
+    pub(super) candidates: &'a [u32],
+    pub(super) records: &'a IrradianceRecords,
+    pub(super) values: &'a [LinearIrradiance],
+}
+
+impl WithSimd for Interpolate<'_> {
+    type Output = [Option<Vec3>; LANES];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self) -> [Option<Vec3>; LANES] {
+        let mut sums = WeightedSums::new(self.points, self.records.normal_weight());
+        for &number in self.candidates {
+            let number = number as usize;
+            sums.add(&self.records[number], &self.values[number]);
+        }
+        sums.means()
     }
-    sums.means()
 }
 
 /// Points, as structure of arrays, and the weighted sums of values there. Plain loops over independent lanes,
@@ -142,6 +149,7 @@ mod tests {
     use super::super::record::OccluderPlanes;
     use super::*;
     use crate::sampling::Random;
+    use crate::simd::Kernel;
 
     /// Lanes agree with the records evaluated one by one.
     #[test]
@@ -187,5 +195,56 @@ mod tests {
             }
         }
         assert!(covered > LANES / 2);
+    }
+
+    #[test]
+    fn all_instruction_sets_agree_to_the_bit() {
+        let mut random = Random::new(11);
+        let bounds = Aabb {
+            min: Vec3::splat(-1.0),
+            max: Vec3::ONE,
+        };
+        let mut records = IrradianceRecords::new(bounds, 0.6);
+        let mut values = Vec::new();
+        for number in 0..500 {
+            let mut occluders = OccluderPlanes::default();
+            if number % 3 == 0 {
+                occluders.add(random.vector(1.0), random.vector(1.0).normalize(), 0.3);
+            }
+            records.push(IrradianceRecord {
+                position: random.vector(1.0),
+                normal: random.vector(1.0).normalize(),
+                radius: 0.2 + random.unit(),
+                occluders,
+            });
+            values.push(LinearIrradiance {
+                mean_radiance: random.vector(1.0),
+                gradient: [0, 1, 2].map(|_| random.vector(1.0)),
+            });
+        }
+        let candidates: Vec<u32> = (0..500).collect();
+        let mut covered = 0;
+        for _ in 0..50 {
+            let points = [(); LANES].map(|()| {
+                let position = 0.2 * random.vector(1.0);
+                (position, random.vector(1.0).normalize())
+            });
+            let of_kernel = |kernel: Kernel| {
+                let interpolate = Interpolate {
+                    points: &points,
+                    candidates: &candidates,
+                    records: &records,
+                    values: &values,
+                };
+                let bits = |value: Vec3| value.to_array().map(f32::to_bits);
+                kernel.run(interpolate).map(|value| value.map(bits))
+            };
+            let portable = of_kernel(Kernel::PORTABLE);
+            for kernel in Kernel::available() {
+                assert_eq!(of_kernel(kernel), portable, "{kernel}");
+            }
+            covered += portable.iter().flatten().count();
+        }
+        assert!(covered > 50 * LANES / 2, "{covered}");
     }
 }

@@ -13,7 +13,6 @@
 //!
 //! Knows nothing of how the values are computed: see `bake`.
 
-mod kernel;
 mod linear;
 mod lookup;
 mod octree;

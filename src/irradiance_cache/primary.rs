@@ -1,10 +1,10 @@
 //! Irradiance at what the camera sees, interpolated for many points at once.
 
-use super::kernel;
 use super::linear::LinearIrradiance;
-use super::lookup::LANES;
+use super::lookup::{Interpolate, LANES};
 use super::octree::{Leaf, Octree};
 use super::records::IrradianceRecords;
+use crate::simd::Kernel;
 use glam::Vec3;
 
 /// Mean incident radiance at surfaces that the camera sees with a certain number of bounces left.
@@ -23,13 +23,17 @@ impl PrimaryIrradiance {
     /// Weighted mean of the values of all records that cover a point (Shepard 1968, "A Two-Dimensional
     /// Interpolation Function for Irregularly-Spaced Data"; of linear functions as in Renka 1988, "Multivariate
     /// Interpolation of Large Sets of Scattered Data").
-    pub fn mean_radiance(&self, points: &[(Vec3, Vec3)]) -> Vec<Option<Vec3>> {
+    pub fn mean_radiance(&self, points: &[(Vec3, Vec3)], kernel: Kernel) -> Vec<Option<Vec3>> {
         let mut values = vec![None; points.len()];
         let tree = self.records.tree();
         for group in groups(tree, points) {
             let of_group = group.points.map(|number| points[number as usize]);
-            let candidates = tree.boxes(group.leaf.node);
-            let found = kernel::interpolate(&of_group, candidates, &self.records, &self.values);
+            let found = kernel.run(Interpolate {
+                points: &of_group,
+                candidates: tree.boxes(group.leaf.node),
+                records: &self.records,
+                values: &self.values,
+            });
             for (&number, value) in group.points[..group.count].iter().zip(found) {
                 values[number as usize] = value;
             }

@@ -1,7 +1,9 @@
 //! The irradiance cache of a job: where it is kept, and what is there already.
 
+use super::error::JobError;
 use super::identity::{BUILD, cache_hash};
-use super::{Inputs, JobError, JobOptions};
+use super::inputs::Inputs;
+use super::options::JobOptions;
 use crate::bake::{BakeState, Baked, CacheFile, Listener, bake};
 use crate::render::RenderSettings;
 use std::path::PathBuf;

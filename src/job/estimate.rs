@@ -1,6 +1,7 @@
 //! What a sequence is estimated to take, kept beside its frames, and how far off it was.
 
-use super::{Job, JobError};
+use super::error::JobError;
+use super::resolved_job::Job;
 use crate::bake::Listener;
 use crate::forecast::{Estimate, Forecast, samples_within};
 use crate::frames::{FrameFolder, SequenceRecord};

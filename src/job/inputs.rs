@@ -1,6 +1,6 @@
 //! The scene and the camera path of a job, loaded.
 
-use super::JobError;
+use super::error::JobError;
 use crate::camera_formats::{CameraPathInput, load_camera_path};
 use crate::input::{InputFiles, SceneInput, Settings, load_scene};
 use rayon::{ThreadPool, ThreadPoolBuilder};

@@ -4,7 +4,7 @@
 //! Job(scene: "../gallery.ron", path: "../walk.ron", settings: (mode: "montecarlo", size: (640, 360)))
 //! ```
 
-use super::JobError;
+use super::error::JobError;
 use crate::frames::{FrameFolder, FrameFormat};
 use crate::input::Settings;
 use ron::extensions::Extensions;

@@ -1,8 +1,7 @@
-use super::Material;
-use glam::Vec3;
+//! Which features of materials a scene uses, known at compile time to the code that shades it.
 
-/// What the surfaces of a scene need. Code that is generic over it is compiled for each set: what a
-/// scene does not need costs it no branch and no fetch.
+/// The features that the surfaces of a scene use. Code that is generic over it is compiled for each set: what a
+/// scene does not use costs it no branch and no fetch.
 pub trait Features {
     /// Some material has a texture.
     const TEXTURES: bool;
@@ -10,7 +9,7 @@ pub trait Features {
     const HIGHLIGHTS: bool;
     /// Some material is a mirror.
     const MIRRORS: bool;
-    /// Some triangle mixes the materials of its corners.
+    /// Some triangle mixes the materials of its vertices.
     const MIXTURES: bool;
 }
 
@@ -29,7 +28,7 @@ impl<const NUMBER: usize> Features for Only<NUMBER> {
 const _: () = assert!(Only::<1>::TEXTURES && Only::<2>::HIGHLIGHTS && !Only::<13>::HIGHLIGHTS);
 const _: () = assert!(Only::<4>::MIRRORS && Only::<8>::MIXTURES && !Only::<11>::MIRRORS);
 
-/// The features that a scene needs.
+/// The features that a scene uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeatureSet(usize);
 
@@ -37,15 +36,11 @@ impl FeatureSet {
     /// How many sets there are.
     pub const COUNT: usize = 16;
 
-    /// What materials need; `mixes` says whether a triangle mixes some.
-    pub fn of<'a>(materials: impl IntoIterator<Item = &'a Material>, mixes: bool) -> FeatureSet {
-        let mut set = usize::from(mixes) << 3;
-        for material in materials {
-            set |= usize::from(material.texture.is_some());
-            set |= usize::from(material.specular != Vec3::ZERO) << 1;
-            set |= usize::from(material.reflective != Vec3::ZERO) << 2;
-        }
-        FeatureSet(set)
+    /// A set of features; `mixtures` says whether a triangle mixes the materials of its vertices.
+    pub fn new(textures: bool, highlights: bool, mirrors: bool, mixtures: bool) -> FeatureSet {
+        let flags = [textures, highlights, mirrors, mixtures];
+        let bits = (0..).zip(flags).map(|(bit, flag)| usize::from(flag) << bit);
+        FeatureSet(bits.sum())
     }
 
     /// The number of the set, below [`FeatureSet::COUNT`].

@@ -1,3 +1,5 @@
+//! Axis-aligned bounding boxes.
+
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -40,14 +42,5 @@ impl Aabb {
     /// The lengths of the edges; negative for the empty box.
     pub fn extent(self) -> Vec3 {
         self.max - self.min
-    }
-
-    /// Half the surface area; 0 for the empty box.
-    pub fn half_area(self) -> f32 {
-        let e = self.extent();
-        if e.min_element() < 0.0 {
-            return 0.0;
-        }
-        e.x * e.y + e.y * e.z + e.z * e.x
     }
 }

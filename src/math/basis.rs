@@ -1,3 +1,5 @@
+//! Rotations by Euler angles, and orthonormal bases around a normal.
+
 use glam::{DMat3, DVec3, Vec3};
 
 /// The rotation about the fixed axes X, then Y, then Z by `angles` in radians, counter-clockwise
@@ -14,7 +16,7 @@ pub fn rotation_xyz(angles: DVec3) -> DMat3 {
     turn(2) * turn(1) * turn(0)
 }
 
-/// Turns a vector of the frame whose third axis is the unit vector `normal` into world space.
+/// Rotates a vector from the local frame whose z axis is the unit vector `normal` to world space.
 ///
 /// The frame is orthonormal and right-handed; Duff et al. 2017, "Building an Orthonormal Basis,
 /// Revisited" (JCGT 6(1)), which has no branch and no direction where it loses accuracy.

@@ -1,4 +1,4 @@
-//! Rays, boxes, bases, floating-point bounds and colour transfer functions.
+//! Rays, bounding boxes, bases and colour transfer functions.
 //!
 //! Knows nothing of shapes, files or threads.
 

@@ -1,21 +1,22 @@
+//! Rays with the interval in which they look for hits.
+
 use glam::{DVec3, Vec3};
 
-/// The id that no primitive has.
+/// The number that no primitive has.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
 
 /// A ray in world space: the points `origin + t * direction` for `0 < t < t_max`.
 ///
-/// The direction need not be of unit length: t is measured in its length, so a
-/// shadow ray that reaches from a point to a light ends at t = 1.
+/// The direction need not be of unit length; t counts lengths of the direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where the ray starts.
+    /// The start.
     pub origin: Vec3,
-    /// Where it goes; finite and not zero.
+    /// Finite and not zero.
     pub direction: Vec3,
-    /// The open end of a shadow ray's interval, in lengths of `direction`; infinite for others.
+    /// The open end of a shadow ray's interval; infinite for other rays.
     pub t_max: f32,
-    /// A primitive that the ray cannot hit again, the one it left; or [`NO_PRIMITIVE`].
+    /// The primitive that the ray leaves and cannot hit again, or [`NO_PRIMITIVE`].
     pub exclude: u32,
 }
 

@@ -111,7 +111,8 @@ mod tests {
         let truth = slope(96, 64);
         let mut noise = Noise::new(3);
         let (of_picture, of_half) = (0.02_f64, 0.03_f64);
-        let reference = noise.reference(&truth, of_half);
+        let [a, b] = noise.half_buffers(&truth, of_half);
+        let reference = Reference::new(a, b);
         let picture = noise.picture(&truth, of_picture);
         let difference = Difference::of(&picture, &reference, 0.0);
         let relative = difference.relative_square_error;
@@ -140,7 +141,8 @@ mod tests {
         let mut noise = Noise::new(4);
         let mut negative = 0;
         let measured = [0; 40].map(|_| {
-            let difference = Difference::of(&truth, &noise.reference(&truth, 0.05), 0.0);
+            let [a, b] = noise.half_buffers(&truth, 0.05);
+            let difference = Difference::of(&truth, &Reference::new(a, b), 0.0);
             negative += usize::from(difference.square_error < 0.0);
             difference.square_error
         });
@@ -152,7 +154,8 @@ mod tests {
     #[test]
     fn the_mean_bias_is_how_much_too_bright_it_is() {
         let truth = slope(40, 40);
-        let reference = Noise::new(5).reference(&truth, 0.01);
+        let [a, b] = Noise::new(5).half_buffers(&truth, 0.01);
+        let reference = Reference::new(a, b);
         let brighter = truth.weighted_sum(1.02, &truth, 0.0);
         let difference = Difference::of(&brighter, &reference, 1.5);
         // The mean of 9,600 numbers that are off by 0.01.

@@ -1,6 +1,5 @@
 //! Pictures with noise of known variance, for tests.
 
-use super::Reference;
 use crate::film::Film;
 use crate::sampling::Random;
 use glam::Vec3;
@@ -49,9 +48,8 @@ impl Noise {
         film
     }
 
-    /// A reference whose half buffers have noise of standard deviation `sigma`.
-    pub(super) fn reference(&mut self, truth: &Film, sigma: f64) -> Reference {
-        let [a, b] = [0; 2].map(|_| self.picture(truth, sigma));
-        Reference::new(a, b)
+    /// Two half buffers with noise of standard deviation `sigma`.
+    pub(super) fn half_buffers(&mut self, truth: &Film, sigma: f64) -> [Film; 2] {
+        [0; 2].map(|_| self.picture(truth, sigma))
     }
 }

@@ -18,7 +18,8 @@ pub(super) fn find(scene: &Scene, frames: &FrameCameras, near: f64) -> Vec<PathW
     let crossed: Vec<usize> = (0..crossings.len())
         .filter(|&frame| crossings[frame].is_some())
         .collect();
-    let distance = |frame: usize, within| scene.distance(frames.cameras[frame].position, within);
+    let distance =
+        |frame: usize, within| scene.closest_point_distance(frames.cameras[frame].position, within);
     let depths: Vec<Measured> = frames_inside(frames, &probes, &crossings)
         .into_iter()
         .filter_map(|frame| Some((frame, distance(frame, f64::INFINITY)?)))
@@ -53,7 +54,7 @@ fn crossing(scene: &Scene, from: &Camera, to: &Camera) -> Option<i32> {
     }
     let rays = [Ray::new(from, to - from), Ray::new(to, from - to)];
     let mut hits = [None; 2];
-    scene.closest_of_wave(&rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(&rays, &mut hits, &mut Traversal::default());
     // Whether the camera is in front of the nearest surface on its way.
     let in_front = |i: usize| {
         let hit = hits[i].filter(|hit| hit.t <= 1.0)?;
@@ -100,7 +101,7 @@ mod tests {
         let rooms = [
             vec![],
             vec![hall()],
-            // Faces the wrong way.
+            // Its faces point the wrong way.
             vec![cuboid(-outside, outside)],
         ];
         // The pillar's faces look outward, or inward.

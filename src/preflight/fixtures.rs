@@ -63,8 +63,8 @@ pub(super) fn cuboid(min: DVec3, max: DVec3) -> SourceMesh {
 
 /// The same mesh with all faces flipped.
 pub(super) fn inverted(mut mesh: SourceMesh) -> SourceMesh {
-    for corners in &mut mesh.triangles {
-        corners.swap(1, 2);
+    for vertices in &mut mesh.triangles {
+        vertices.swap(1, 2);
     }
     mesh
 }

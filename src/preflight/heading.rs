@@ -64,7 +64,7 @@ mod tests {
         find(&open_shot(cameras), OrientationMode::Rotation)
     }
 
-    /// Past a point 3 m below, so many metres beside it.
+    /// Flies past a point 3 m below, `beside` it in metres.
     fn fly_over(beside: f64) -> Vec<PathWarning> {
         let target = DVec3::new(beside, -3.0, 0.0);
         let at = |z| DVec3::new(0.0, 0.0, z);

@@ -43,10 +43,10 @@ impl Probe {
             .map(|i| uniform_sphere(at(i % DIRECTIONS), at(i / DIRECTIONS)))
             .map(|direction| Ray::new(eye, direction))
             .collect();
-        let hits = hits(scene, &rays);
+        let hits = cast(scene, &rays);
         let (fronts, backs): (Vec<&ProbeHit>, _) = hits.iter().partition(|hit| hit.is_front);
         let behind: Vec<Ray> = backs.iter().map(|hit| hit.onward).collect();
-        let behind = self::hits(scene, &behind);
+        let behind = cast(scene, &behind);
         let inverses: f64 = hits.iter().map(|hit| 1.0 / hit.distance).sum();
         let count = rays.len() as f64;
         Probe {
@@ -68,11 +68,11 @@ struct ProbeHit {
 }
 
 /// The hits of some rays, without those that hit nothing.
-fn hits(scene: &Scene, rays: &[Ray]) -> Vec<ProbeHit> {
+fn cast(scene: &Scene, rays: &[Ray]) -> Vec<ProbeHit> {
     /// Relative to the distance: more than its rounding.
     const BEHIND: f64 = 1.0 + 1e-4;
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_wave(rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(rays, &mut hits, &mut Traversal::default());
     let probe_hit = |(ray, hit): (&Ray, Option<Hit>)| {
         let hit = hit?;
         Some(ProbeHit {

@@ -44,7 +44,7 @@ fn movement(scene: &Scene, from: &Camera, to: &Camera, size: DVec2) -> f64 {
         .collect();
     let rays: Vec<Ray> = films.iter().map(|film| rays.through(*film)).collect();
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_wave(&rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(&rays, &mut hits, &mut Traversal::default());
     let seen = films.iter().zip(&rays).zip(&hits);
     let mut moved: Vec<f64> = seen
         .map(|((film, ray), hit)| {

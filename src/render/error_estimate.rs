@@ -1,34 +1,35 @@
+//! The error of a frame, estimated from the difference of its A/B half buffers.
+
 use crate::metrics::normaliser;
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// How far a frame is from what it would be with endless samples, by the frame alone and by what is known of
-/// the light that it looks up.
+/// The estimated error of a frame: its Monte Carlo noise and the error of its irradiance cache.
 ///
-/// The error is relMSE: the mean over pixels and channels of (x - r)^2 / (m^2 + (white / 10)^2), of this very
-/// frame x, where r is the frame without noise, and m the mean of x around the pixel: see [`normaliser`]. What
-/// no sample has met is not known to it.
+/// The error is the relMSE: the mean over pixels and channels of (x - r)^2 / (m^2 + (display white / 10)^2), of this
+/// very frame x, where r is the frame without noise, and m the mean of x around the pixel: see [`normaliser`]. It
+/// knows nothing of light that no sample has found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorEstimate {
     /// An unbiased estimate of the frame's relMSE; at least 0.
     pub relative_square_error: f64,
-    /// How much the error may differ from the estimate: the standard deviation of their difference.
+    /// The standard deviation of the difference between error and estimate.
     pub standard_error: f64,
 }
 
 impl ErrorEstimate {
-    /// What holds the frame's error 19 times of 20.
+    /// The 95 % confidence interval of the frame's error.
     pub fn interval(&self) -> [f64; 2] {
-        let reach = 1.96 * self.standard_error;
+        let half_width = 1.96 * self.standard_error;
         let (low, high) = (
-            self.relative_square_error - reach,
-            self.relative_square_error + reach,
+            self.relative_square_error - half_width,
+            self.relative_square_error + half_width,
         );
         [low.max(0.0), high]
     }
 
-    /// Of two parts of an error that have nothing to do with each other.
+    /// The sum of two independent parts of an error.
     pub(super) fn plus(self, other: ErrorEstimate) -> ErrorEstimate {
         ErrorEstimate {
             relative_square_error: self.relative_square_error + other.relative_square_error,
@@ -36,15 +37,14 @@ impl ErrorEstimate {
         }
     }
 
-    /// The error of a picture, given how far half the difference of its halves is from 0, see
-    /// [`RelativeDeviations`].
+    /// The noise of an image, from half the differences of its half buffers.
     ///
-    /// With halves r + a and r + b the picture is off by (a + b) / 2, and half their difference is
+    /// With half buffers r + a and r + b the error of the image is (a + b) / 2, and half their difference is
     /// (a - b) / 2: the squares have the same expectation, and differ by a b. The variance of the sum of a b
-    /// over the channels is that of the squares of the covariance matrix of a, which neighbours estimate
-    /// twice, independently. That is too little where noise changes from pixel to pixel, and the fourth power
-    /// of a pixel's own difference, three times the square of its variance if noise is normal, is too much
-    /// where it is not: their mean is taken.
+    /// over the channels is the sum of the squares of the covariance matrix of a, of which a pixel and its neighbour
+    /// give two independent estimates. That underestimates where noise varies from pixel to pixel. The fourth power
+    /// of a pixel's own difference, three times the square of its variance if noise is normal, overestimates where it
+    /// is not. Their mean is taken.
     pub(super) fn of(deviations: &RelativeDeviations) -> ErrorEstimate {
         let RelativeDeviations { values, reach } = deviations;
         let count = values.len() as f64;
@@ -56,8 +56,8 @@ impl ErrorEstimate {
             .map(|d| f64::from(d.length_squared()).powi(2))
             .sum();
         let covariances = 4.0 * 0.5 * (products + fourths / 3.0);
-        // Pixels that share corners share noise: a pixel's correlation with the four beside it is 1/2,
-        // with the four across a corner 1/4. The sum of the squares is what the variance grows by.
+        // Pixels that share corner samples share noise: the correlation with the four adjacent pixels is 1/2, with
+        // the four diagonal ones 1/4. The variance grows by the sum of the squares, 1 + 4/4 + 4/16.
         let shared = if *reach == 1 { 1.0 } else { 2.25 };
         ErrorEstimate {
             relative_square_error: squares / count / 3.0,
@@ -66,10 +66,10 @@ impl ErrorEstimate {
     }
 }
 
-/// Half the difference of the halves of each pixel, in proportion to the light there.
+/// Half the difference of the A/B half buffers at each pixel, relative to the radiance.
 pub(super) struct RelativeDeviations {
     values: Vec<Vec3>,
-    /// From a pixel to the nearest ones to either side that share no samples with it.
+    /// The distance to the nearest pixels in a row that share no samples.
     reach: usize,
 }
 
@@ -79,12 +79,12 @@ impl RelativeDeviations {
         pixels: &[Vec3],
         deviations: &[Vec3],
         width: usize,
-        white: f32,
+        display_white: f32,
         shared_corners: bool,
     ) -> RelativeDeviations {
         let reach = if shared_corners { 2 } else { 1 };
         let relative = |number: usize| {
-            let square = normaliser(pixels, width, number, reach, white);
+            let square = normaliser(pixels, width, number, reach, display_white);
             deviations[number] / square.map(f32::sqrt)
         };
         RelativeDeviations {
@@ -102,9 +102,9 @@ mod tests {
     const WIDTH: usize = 64;
     const COUNT: usize = WIDTH * 48;
 
-    /// What is said and what is true of an even picture of light 0.5, whose noise has the variance `variance`
-    /// in its halves; grey, or in each channel its own.
-    fn said_and_true(noise: &mut Noise, variance: f32, grey: bool) -> (ErrorEstimate, f64) {
+    /// The estimated and the true error of an image of constant radiance 0.5, whose half buffers have noise of this
+    /// variance: grey, or independent in each channel.
+    fn estimated_and_true(noise: &mut Noise, variance: f32, grey: bool) -> (ErrorEstimate, f64) {
         let mut half = || -> Vec<Vec3> {
             let mut value = |_| {
                 let sigma = f64::from(variance).sqrt();
@@ -117,14 +117,14 @@ mod tests {
         };
         let (a, b) = (half(), half());
         let both = || a.iter().zip(&b);
-        let picture: Vec<Vec3> = both().map(|(a, b)| 0.5 * (a + b)).collect();
+        let image: Vec<Vec3> = both().map(|(a, b)| 0.5 * (a + b)).collect();
         let deviations: Vec<Vec3> = both().map(|(a, b)| 0.5 * (a - b)).collect();
-        let relative = RelativeDeviations::new(&picture, &deviations, WIDTH, 1.0, false);
+        let relative = RelativeDeviations::new(&image, &deviations, WIDTH, 1.0, false);
         let error = |(number, x): (usize, &Vec3)| {
-            let square = normaliser(&picture, WIDTH, number, 1, 1.0);
+            let square = normaliser(&image, WIDTH, number, 1, 1.0);
             ((x - 0.5).powf(2.0) / square).element_sum()
         };
-        let sum: f32 = picture.iter().enumerate().map(error).sum();
+        let sum: f32 = image.iter().enumerate().map(error).sum();
         (
             ErrorEstimate::of(&relative),
             f64::from(sum) / COUNT as f64 / 3.0,
@@ -137,22 +137,22 @@ mod tests {
         for grey in [true, false] {
             let variance = 0.0016;
             let runs: Vec<_> = (0..100)
-                .map(|_| said_and_true(&mut noise, variance, grey))
+                .map(|_| estimated_and_true(&mut noise, variance, grey))
                 .collect();
             let mean = runs
                 .iter()
-                .map(|(said, _)| said.relative_square_error)
+                .map(|(estimated, _)| estimated.relative_square_error)
                 .sum::<f64>()
                 / 100.0;
-            // The variance of the mean of two halves, over the square of the light and of a tenth of white.
+            // The variance of the mean of two half buffers, over the squares of the radiance and of a tenth of white.
             let expected = f64::from(variance) / 2.0 / 0.26;
             assert!((mean / expected - 1.0).abs() < 0.01, "{mean} {expected}");
-            let z = runs.iter().map(|(said, is)| {
-                let off = (said.relative_square_error - is) / said.standard_error;
+            let z = runs.iter().map(|(estimated, error)| {
+                let off = (estimated.relative_square_error - error) / estimated.standard_error;
                 off * off
             });
             let mean_square = z.sum::<f64>() / 100.0;
-            // Without grey, the fourth power overestimates the variance: see above.
+            // The fourth power overestimates the variance of independent channels.
             let least = if grey { 0.6 } else { 0.4 };
             assert!((least..1.4).contains(&mean_square), "{grey} {mean_square}");
         }
@@ -160,9 +160,9 @@ mod tests {
 
     #[test]
     fn no_noise_is_no_error() {
-        let picture = vec![Vec3::ONE; 12];
+        let image = vec![Vec3::ONE; 12];
         let none = vec![Vec3::ZERO; 12];
-        let relative = RelativeDeviations::new(&picture, &none, 4, 1.0, true);
+        let relative = RelativeDeviations::new(&image, &none, 4, 1.0, true);
         assert_eq!(ErrorEstimate::of(&relative).interval(), [0.0, 0.0]);
     }
 }

@@ -1,51 +1,52 @@
+//! Flicker: the change of noise against the scene from one frame to the next.
+
 use super::{Reprojection, reprojection};
 use crate::film::Film;
 use crate::metrics::RADIANCE_FLOOR;
 
 const TILE: usize = reprojection::TILE as usize;
 
-/// How much a picture's noise moves against the scene from one frame to the next.
+/// How much an image's noise changes, at the same points of the scene, from one frame to the next.
 ///
-/// The residual R of a sequence is what a frame shows of a point more than the frame before it showed. Not
-/// all of it is noise: mirrors and highlights move on their own, and interpolation softens the frame before.
-/// But that is the same in the picture x and in unbiased references a and b of it, and cancels in Rx - Ra. Of
-/// the mean of its square there would still be the noise of the reference; since that of a and b is
-/// independent, the product (Rx - Ra)(Rx - Rb) is on average the square of the picture's part alone.
+/// The residual R of a sequence is the radiance of a frame less that of the same points in the frame before. Not
+/// all of it is noise: mirrors and highlights move on their own, and interpolation blurs the frame before.
+/// But that is the same in the image x and in unbiased references a and b of it, and cancels in Rx - Ra. The mean of
+/// its square would still include the noise of the reference; since the noise of a and b is
+/// independent, the product (Rx - Ra)(Rx - Rb) is on average the square of the image's part alone.
 ///
 /// Noise that is new in each frame, of a relative variance v that neighbours share, gives v (1 + w), where w,
-/// 1/4..1, is the mean of the sum of the squared weights of interpolation. Noise that sticks to surfaces gives
-/// next to none, and noise that sticks to the film none while the camera stands still.
+/// 1/4..1, is the mean of the sum of the squared weights of interpolation. Noise that is fixed to surfaces gives
+/// next to none, and noise that is fixed to the film none while the camera stands still.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flicker {
-    /// The root of `square`; 0 where chance makes that negative.
+    /// The root of `square`; 0 where noise makes that negative.
     pub relative: f64,
-    /// The mean of (Rx - Ra)(Rx - Rb) / (r^2 + (white / 10)^2) over the channels of all matches, where r is
-    /// what the references show in the later frame on average; 0 if there is no match.
+    /// The mean of (Rx - Ra)(Rx - Rb) / (r^2 + (display white / 10)^2) over the channels of all matches, where r is
+    /// the mean of the references in the later frame; 0 if there is no match.
     pub square: f64,
-    /// Of `square`, by chance in the pixels of the picture and the references. Worth little below some
-    /// hundred matches, and 0 if there is none.
+    /// The standard error of `square`, by noise of the image and of the references. Unreliable below some hundred
+    /// matches, and 0 if there is none.
     pub standard_error: f64,
-    /// The share of the pixels that is matched, 0..1.
+    /// The fraction of the pixels that is matched, 0..1.
     pub matched: f64,
 }
 
 impl Reprojection {
-    /// The flicker of a picture, given two references that are right on average and independent of it and of
-    /// each other. All are the earlier and the later frame, in linear light, of the reprojection's size;
-    /// `white`, above 0, is what is shown as white.
+    /// The flicker of an image, given two unbiased references that are independent of it and of
+    /// each other. All are the earlier and the later frame, linear, of the reprojection's size;
+    /// `display_white` is above 0.
     ///
-    /// The references may be noisy: that only makes the result less certain. But r has part of their noise:
-    /// if its variance is v of what their square is divided by, the square comes out wrong by about v of
-    /// itself, and by v^2.
+    /// Noise of the references only increases the standard error. But r has part of their noise:
+    /// if its variance is a fraction v of the normaliser, the square has a relative bias of about v, and v^2.
     pub fn flicker(
         &self,
-        picture: [&Film; 2],
+        image: [&Film; 2],
         reference_a: [&Film; 2],
         reference_b: [&Film; 2],
-        white: f32,
+        display_white: f32,
     ) -> Flicker {
-        let residuals = [picture, reference_a, reference_b].map(|films| self.residual(films));
-        let dark = f64::from(RADIANCE_FLOOR * white).powi(2);
+        let residuals = [image, reference_a, reference_b].map(|films| self.residual(films));
+        let dark = f64::from(RADIANCE_FLOOR * display_white).powi(2);
         let later = [reference_a[1], reference_b[1]];
         let product = |i: usize| {
             let [x, a, b] = residuals.each_ref().map(|of| of[i].as_dvec3());
@@ -66,10 +67,9 @@ impl Reprojection {
 
     /// The standard error of a sum over the matches, given their mean.
     ///
-    /// Neighbours may have samples in common, and so may the places that they are interpolated at; quarters of
-    /// tiles have little in common. What chance does to them is told by the difference between those on the
-    /// one diagonal and those on the other: what changes evenly over the tile is no part of that, and what
-    /// is different elsewhere in the picture is none, either.
+    /// Neighbouring pixels may share samples, and so may the pixels that they are interpolated from; quarters of
+    /// tiles share little. The noise is estimated from the difference between the two quarters on one diagonal of a tile
+    /// and the two on the other: linear changes over the tile cancel, and changes across the image do not matter.
     fn error_of_sum(&self, values: &[f64], mean: f64) -> f64 {
         let width = self.width() as usize;
         let tiles_per_row = width.div_ceil(TILE);

@@ -1,35 +1,37 @@
+//! One frame: first samples, adaptive samples, image and estimated error.
+
 use super::adaptive::SampleAllocation;
 use super::error_estimate::{ErrorEstimate, RelativeDeviations};
+use super::estimates::Estimates;
 use super::grid::{Grid, average_corners};
 use super::observer::{FrameObserver, NoObserver};
-use super::sampler::{Estimates, Sampler};
+use super::sampler::Sampler;
 use super::{PixelSampling, RenderSettings, Renderer};
 use crate::camera::Camera;
 use crate::film::Film;
 use glam::Vec3;
 
-/// A frame and what it took.
+/// A rendered frame.
 #[derive(Debug)]
 pub struct RenderedFrame {
-    /// The picture.
+    /// The image: scene-linear radiance.
     pub film: Film,
-    /// Half the difference of the two halves of its samples, whose mean it is: the halves are the picture plus
-    /// and minus this. Its square is an unbiased estimate of the variance of the pixel. None where nothing was
-    /// left to chance.
+    /// Half the difference of the A/B half buffers: they are the image plus and minus this. Its square is an unbiased
+    /// estimate of the variance of the pixel. None if the frame has no Monte Carlo noise.
     pub deviation: Option<Film>,
-    /// How far off it is: by chance, and by the light that it looked up. None where neither had a part.
+    /// The error by noise and by the irradiance cache; none if the frame has neither.
     pub error: Option<ErrorEstimate>,
     /// How many rays were traced.
     pub rays: u64,
-    /// Samples whose light was not a finite number, replaced by black: a fault of the scene's
-    /// numbers or of the program.
+    /// How many samples were not finite and were replaced by black. Only numbers near the limits of single precision in
+    /// the scene, or a bug, make any.
     pub non_finite_samples: u64,
 }
 
 impl RenderedFrame {
-    /// The two halves that it is the mean of, independent of each other; the frame itself, twice, where nothing
-    /// was left to chance.
-    pub fn halves(&self) -> [Film; 2] {
+    /// The two independent half buffers, A and B, whose mean is the image; the image itself, twice, if it has no
+    /// noise.
+    pub fn half_buffers(&self) -> [Film; 2] {
         match &self.deviation {
             Some(deviation) => [1.0, -1.0].map(|sign| self.film.weighted_sum(1.0, deviation, sign)),
             None => [self.film.clone(), self.film.clone()],
@@ -37,15 +39,15 @@ impl RenderedFrame {
     }
 }
 
-/// How many steps of progress a frame makes that is not refined after its first samples.
+/// How many tiles a frame without adaptive samples reports to its observer.
 pub fn tile_count(settings: &RenderSettings) -> u64 {
     Grid::of(settings).tiles()
 }
 
-/// The fewest and the most bytes that a frame takes while it is rendered and encoded.
+/// Lower and upper bound of the bytes of memory that a frame takes while it is rendered and encoded.
 pub fn frame_memory(settings: &RenderSettings) -> [u64; 2] {
-    // Of each point: its value, the number of its passes, and both once more in its tile with where it is; of two
-    // halves also what is developed of them. The allocator gives back less of what it has of small frames.
+    // Per point: value and number of passes, and both again in the tile with the point's position; of two half buffers
+    // also image and difference. The allocator returns less memory of small frames.
     let bytes = if settings.has_noise() {
         [80, 160]
     } else {
@@ -77,7 +79,7 @@ impl Renderer<'_> {
             return None;
         }
         let cache_error = self.cache_errors.get(frame as usize).copied();
-        if sampler.halves == 1 {
+        if sampler.half_buffers == 1 {
             let film = develop(settings, estimates.values);
             return Some(RenderedFrame {
                 film,
@@ -117,24 +119,24 @@ impl Renderer<'_> {
     }
 }
 
-/// What is left of a target error by the light that is looked up: half of it at least, as no samples make good
-/// what the light takes beyond its half.
+/// The part of a target error that the irradiance cache leaves for noise: at least half, as more samples cannot make up
+/// for a cache that takes more than half.
 fn target_of_noise(target: f64, cache_error: Option<ErrorEstimate>) -> f64 {
     let of_cache = cache_error.map_or(0.0, |cache| cache.interval()[1]);
     (target - of_cache).max(0.5 * target)
 }
 
-/// What share of its error should be left of a frame by its next samples; none if it is good enough.
+/// The fraction of a frame's error that its next samples should leave; none if the target is reached.
 ///
-/// The decision is one for all pixels, each of which has next to no part in it.
+/// One decision for all pixels, on which a single pixel has next to no influence: means stay unbiased.
 fn fraction_to_go(error: &ErrorEstimate, target: f64) -> Option<f64> {
-    /// Errors fall faster than as 1 / n: larger steps would overshoot.
-    const LEAST: f64 = 0.25;
+    /// Errors fall faster than 1 / n: larger steps would overshoot.
+    const MIN_FRACTION: f64 = 0.25;
     let [_, upper] = error.interval();
-    (upper > target).then(|| (0.97 * target / upper).max(LEAST))
+    (upper > target).then(|| (0.97 * target / upper).max(MIN_FRACTION))
 }
 
-/// The mean and half the difference of the two halves of each point.
+/// The mean and half the difference of the half buffers at each point.
 fn combine(estimates: &Estimates) -> [Vec<Vec3>; 2] {
     let halves = || estimates.values.chunks_exact(2);
     [
@@ -143,7 +145,7 @@ fn combine(estimates: &Estimates) -> [Vec<Vec3>; 2] {
     ]
 }
 
-/// The picture, half the difference of its halves, and its noise.
+/// The image, half the difference of its half buffers, and its noise.
 fn develop_halves(settings: &RenderSettings, estimates: &Estimates) -> (Film, Film, ErrorEstimate) {
     let [film, deviation] = combine(estimates).map(|points| develop(settings, points));
     let deviations = RelativeDeviations::new(
@@ -157,7 +159,7 @@ fn develop_halves(settings: &RenderSettings, estimates: &Estimates) -> (Film, Fi
     (film, deviation, noise)
 }
 
-/// The pixels, of what is known of the points.
+/// The pixels from the points' values.
 fn develop(settings: &RenderSettings, points: Vec<Vec3>) -> Film {
     let (width, height) = (settings.width, settings.height);
     if settings.sampling != PixelSampling::Corners {

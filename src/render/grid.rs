@@ -1,11 +1,13 @@
+//! The points of a film that are sampled, in tiles.
+
 use super::{PixelSampling, RenderSettings};
 use glam::Vec3;
 
-/// Tiles are squares of this many points: neighbours share what they touch in the cache, and there
-/// are enough tiles to keep every thread busy.
+/// Columns and rows of points in a tile: small enough that all threads are busy, large enough that neighbouring points
+/// find their data in the processor's cache.
 const TILE: u32 = 16;
 
-/// The points of a film that are worked out one by one: its pixels, or their corners.
+/// The sampled points of a film: its pixels, or their corners.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
     pub(super) width: u32,
@@ -25,7 +27,7 @@ impl Grid {
         self.width as usize * self.height as usize
     }
 
-    /// The place of a point in the order of rows from the top left.
+    /// The index of a point, row by row from the top left.
     pub(super) fn number(self, (x, y): (u32, u32)) -> usize {
         y as usize * self.width as usize + x as usize
     }
@@ -34,8 +36,7 @@ impl Grid {
         u64::from(self.width.div_ceil(TILE)) * u64::from(self.height.div_ceil(TILE))
     }
 
-    /// The points of a tile, in squares of two by two, in squares of four by four, and so on: rays
-    /// that are traced together stay close.
+    /// The points of a tile in Morton order, so that rays that are traced together are coherent.
     pub(super) fn tile_points(self, tile: u64) -> Vec<(u32, u32)> {
         let tiles_per_row = u64::from(self.width.div_ceil(TILE));
         let x0 = (tile % tiles_per_row) as u32 * TILE;

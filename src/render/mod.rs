@@ -6,6 +6,7 @@
 
 mod adaptive;
 mod error_estimate;
+mod estimates;
 mod flicker;
 mod frame;
 mod grid;
@@ -16,6 +17,7 @@ mod reprojection;
 mod sampler;
 mod sequence;
 mod settings;
+mod sink;
 
 pub use error_estimate::ErrorEstimate;
 pub use flicker::Flicker;
@@ -23,5 +25,6 @@ pub use frame::{RenderedFrame, frame_memory, tile_count};
 pub use observer::{FrameObserver, NoObserver, SequenceObserver};
 pub use renderer::Renderer;
 pub use reprojection::{Match, Reprojection, TILE};
-pub use sequence::{Claim, EncodedFrame, FrameSink, Outcome, SinkError};
+pub use sequence::Outcome;
 pub use settings::{PixelSampling, RenderSettings};
+pub use sink::{Claim, EncodedFrame, FrameSink, SinkError};

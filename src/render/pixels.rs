@@ -31,12 +31,12 @@ impl Renderer<'_> {
             let means = sampler.means(&points, |_| (0, 1), &mut Work::default());
             let of_pixel = |means: &[Vec3]| {
                 let half = |half: usize| {
-                    let values = means.iter().skip(half).step_by(sampler.halves);
+                    let values = means.iter().skip(half).step_by(sampler.half_buffers);
                     values.sum::<Vec3>() / corners.len() as f32
                 };
-                [half(0), half(sampler.halves - 1)]
+                [half(0), half(sampler.half_buffers - 1)]
             };
-            let means = means.chunks(corners.len() * sampler.halves);
+            let means = means.chunks(corners.len() * sampler.half_buffers);
             means.map(of_pixel).collect()
         };
         pixels.par_chunks(CHUNK).flat_map_iter(of_chunk).collect()

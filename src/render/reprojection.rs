@@ -1,3 +1,5 @@
+//! Reprojection: which pixels of two frames show the same points of a static scene.
+
 use crate::accel::Traversal;
 use crate::camera::{Camera, CameraRays};
 use crate::film::Film;
@@ -8,29 +10,29 @@ use crate::scene::Scene;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// So much, as a share of a point's largest coordinate and of its distance together, may be between the
-/// plane of the surface at the point and what a ray that is sent to it meets there.
+/// Tolerance between the tangent plane of a point and the hit of a ray that is sent to the point, as a fraction of the
+/// point's largest coordinate plus its distance.
 ///
-/// The ray's start and direction are rounded to single precision: together they make it pass the point by
-/// up to (3^(1/2) + 1) / 2 epsilon of that. What it meets there is on the same surface; where that bends, it
-/// is off the plane at the point by about as much, for which the bound leaves room six times over.
+/// The ray's origin and direction are rounded to single precision: together they make it miss the point by
+/// up to (3^(1/2) + 1) / 2 epsilon of that. The hit is on the same surface; where that is curved, it
+/// is off the tangent plane by about as much, which is a sixth of the tolerance.
 const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
-/// Tiles of so many pixels in a row and in a column are worked out, and tell the standard error.
+/// Columns and rows of pixels in a tile: matches are thinned tile by tile, and the standard error is estimated from them.
 pub const TILE: u32 = 8;
 
-/// Which points a frame shows that another one shows, too, and where: of a scene that stands still, seen
+/// The pixels of a frame whose points another frame shows, too, and where: of a static scene, seen
 /// by two cameras.
 ///
-/// A pixel of frame `to` is matched if the point in its middle is seen in frame `from`, and if the pixels
-/// around it there, which are interpolated, show its surroundings rather than what is before or behind it.
+/// A pixel of frame `to` is matched if the point in its middle is visible in frame `from`, and if the pixels
+/// around it there, which are interpolated, show its surroundings rather than what is in front of or behind it.
 /// Rays that leave the scene are not matched: the background is the same in every frame, and a mean over
-/// what is matched should not depend on how much of it is seen.
+/// matches should not depend on how much of it is visible.
 #[derive(Clone, Debug)]
 pub struct Reprojection {
     width: u32,
     height: u32,
-    /// The share of the pixels that was matched.
+    /// The fraction of the pixels that was matched.
     matched: f64,
     matches: Vec<Match>,
 }
@@ -40,8 +42,8 @@ pub struct Reprojection {
 pub struct Match {
     /// The pixel of `to`, as an index of [`Film::pixels`].
     pub pixel: usize,
-    /// The place in `from`, in pixels from the centre of its first pixel.
-    pub place: DVec2,
+    /// The position in `from`, in pixels from the centre of its first pixel.
+    pub position: DVec2,
 }
 
 impl Reprojection {
@@ -73,38 +75,38 @@ impl Reprojection {
         self.height
     }
 
-    /// Keeps the matches in about so many squares of [`TILE`] x [`TILE`] pixels, spread evenly, for frames that
-    /// are only worked out there. [`Reprojection::matched`] stays what it was.
+    /// Keeps the matches in about so many tiles of [`TILE`] x [`TILE`] pixels, evenly distributed, for frames that
+    /// are only rendered there. [`Reprojection::matched`] does not change.
     pub fn thin(&mut self, tiles: u32) {
         let (width, columns) = (self.width as usize, self.width.div_ceil(TILE) as usize);
         let every = (self.width.div_ceil(TILE) * self.height.div_ceil(TILE)).div_ceil(tiles);
         let tile =
             |pixel: usize| pixel / width / TILE as usize * columns + pixel % width / TILE as usize;
-        // The golden ratio's multiples are spread evenly (Knuth, "The Art of Computer Programming" 3, 6.4).
+        // The golden ratio's multiples are evenly distributed (Knuth, "The Art of Computer Programming" 3, 6.4).
         let chosen = |tile: usize| {
-            let place = (tile as u32).wrapping_mul(0x9e37_79b9);
-            (u64::from(place) * u64::from(every)) >> 32 == 0
+            let multiple = (tile as u32).wrapping_mul(0x9e37_79b9);
+            (u64::from(multiple) * u64::from(every)) >> 32 == 0
         };
         self.matches.retain(|of| chosen(tile(of.pixel)));
     }
 
-    /// What is seen in both frames, in the order of the pixels.
+    /// The matches, in the order of the pixels.
     pub fn matches(&self) -> &[Match] {
         &self.matches
     }
 
-    /// The share of the pixels that is matched, 0..1.
+    /// The fraction of the pixels that is matched, 0..1.
     pub fn matched(&self) -> f64 {
         self.matched
     }
 
     /// The pixels of `from` that a match is interpolated from, as indices of [`Film::pixels`], and their
-    /// weights, which sum to 1. What has no weight may be there twice.
+    /// weights, which sum to 1. A pixel of weight 0 may be listed twice.
     pub fn taps(&self, of: &Match) -> [(usize, f64); 4] {
-        taps(of.place, self.width as usize, self.height as usize)
+        taps(of.position, self.width as usize, self.height as usize)
     }
 
-    /// What frame `to` has more than `from` shows of the same points, at the matches.
+    /// At the matches, the radiance in frame `to` less that of the same points in `from`.
     pub fn residual(&self, [from, to]: [&Film; 2]) -> Vec<Vec3> {
         self.assert_size(from);
         self.assert_size(to);
@@ -127,12 +129,12 @@ impl Reprojection {
     }
 }
 
-/// What bilinear interpolation reads at a place that is not outside the pixels' centres.
-fn taps(place: DVec2, width: usize, height: usize) -> [(usize, f64); 4] {
-    let corner = place.floor();
-    let part = place - corner;
+/// The taps of bilinear interpolation at a position within the pixels' centres.
+fn taps(position: DVec2, width: usize, height: usize) -> [(usize, f64); 4] {
+    let corner = position.floor();
+    let part = position - corner;
     let (x, y) = (corner.x as usize, corner.y as usize);
-    // Beyond the last centre there is no weight.
+    // Pixels beyond the last centre have weight 0.
     let (right, below) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
     [
         (y * width + x, (1.0 - part.x) * (1.0 - part.y)),
@@ -142,7 +144,7 @@ fn taps(place: DVec2, width: usize, height: usize) -> [(usize, f64); 4] {
     ]
 }
 
-/// A camera, its film and what it sees.
+/// A scene through a camera, and the camera's film.
 struct View<'a> {
     scene: &'a Scene,
     camera: &'a Camera,
@@ -152,10 +154,10 @@ struct View<'a> {
     size: DVec2,
 }
 
-/// A point of a row, before it is known whether `from` sees it.
+/// A pixel whose point may be visible in `from`.
 struct Candidate {
     point: DVec3,
-    /// Of its surface, on the viewer's side.
+    /// The geometric normal on the viewer's side.
     normal: DVec3,
     of: Match,
 }
@@ -180,7 +182,7 @@ impl<'a> View<'a> {
         rays.collect()
     }
 
-    /// What the middle of each pixel shows, relative to the scene's origin.
+    /// The point in the middle of each pixel, relative to the scene's origin.
     fn points(&self) -> Vec<Option<DVec3>> {
         let row = |y| {
             let rays = self.row(y);
@@ -193,17 +195,17 @@ impl<'a> View<'a> {
         rows.flat_map_iter(row).collect()
     }
 
-    /// Where a point is seen on the film.
+    /// The position of a point on the film.
     fn project(&self, point: DVec3) -> Option<DVec2> {
         self.camera.project(self.size, point + self.scene.origin)
     }
 
-    /// How far a point is from the eye.
+    /// The distance of a point from the eye.
     fn distance(&self, point: DVec3) -> f64 {
         (point + self.scene.origin).distance(self.camera.position)
     }
 
-    /// How wide a pixel is at a distance.
+    /// The width of a pixel at a distance.
     fn pixel(&self, distance: f64) -> f64 {
         distance * 2.0 * self.camera.half_height / self.size.y
     }
@@ -212,65 +214,64 @@ impl<'a> View<'a> {
     fn matches_of_row(&self, y: u32, from: &View, points: &[Option<DVec3>]) -> Vec<Match> {
         let rays = self.row(y);
         let mut candidates = Vec::new();
-        let mut sights = Vec::new();
+        let mut rays_from = Vec::new();
         for (x, (ray, hit)) in (0..).zip(rays.iter().zip(hits(self.scene, &rays))) {
             let Some(hit) = hit else { continue };
             let point = ray.at(hit.t);
             let (Some(before), Some(now)) = (from.project(point), self.project(point)) else {
                 continue;
             };
-            // How far the point moves, rather than where it comes from: the ray through the pixel's centre
-            // was rounded, and a camera that stands still moves no point at all.
-            let place = DVec2::new(x.into(), y.into()) + (before - now);
-            if from.interpolates(place) {
+            // The motion of the point is added to the pixel's centre, rather than `before` used: the ray through the
+            // centre was rounded, and a static camera must give no motion at all.
+            let position = DVec2::new(x.into(), y.into()) + (before - now);
+            if from.interpolates(position) {
                 let surface = self.scene.surface::<Only<0>>(ray, &hit);
                 let pixel = y as usize * self.width as usize + x as usize;
                 candidates.push(Candidate {
                     point,
                     normal: surface.point.geometric_normal.as_dvec3(),
-                    of: Match { pixel, place },
+                    of: Match { pixel, position },
                 });
-                sights.push(from.rays.through(before));
+                rays_from.push(from.rays.through(before));
             }
         }
-        let found = hits(self.scene, &sights);
+        let found = hits(self.scene, &rays_from);
         let is_match = |candidate: &Candidate, ray: &Ray, hit: Option<Hit>| {
             hit.is_some_and(|hit| from.sees(candidate, ray, &hit))
                 && from.shows_surroundings(candidate, points)
         };
-        let all = candidates.iter().zip(sights.iter().zip(found));
+        let all = candidates.iter().zip(rays_from.iter().zip(found));
         all.filter(|(candidate, (ray, hit))| is_match(candidate, ray, *hit))
             .map(|(candidate, _)| candidate.of)
             .collect()
     }
 
-    /// Whether no pixel is missing around a place.
-    fn interpolates(&self, place: DVec2) -> bool {
-        place.cmpge(DVec2::ZERO).all() && place.cmple(self.size - 1.0).all()
+    /// Whether the film has all pixels around a position.
+    fn interpolates(&self, position: DVec2) -> bool {
+        position.cmpge(DVec2::ZERO).all() && position.cmple(self.size - 1.0).all()
     }
 
-    /// Whether what the ray to a point meets is the point, seen from the same side.
+    /// Whether the hit of the ray to a point is the point, seen from the same side.
     ///
-    /// How far it is along the ray does not tell: on a surface that is seen at a glance, that is many times
-    /// the rounding. How far it is from the plane of the surface does, since it is on the line from the eye
-    /// to the point. Neither does the primitive, which is any of those that meet in an edge.
+    /// The distance along the ray is no criterion: on a surface at a grazing angle, its error is many times
+    /// the rounding. Nor is the primitive, which is any of those that share an edge. The distance from the tangent
+    /// plane is one, since the hit is on the line from the eye to the point.
     fn sees(&self, candidate: &Candidate, ray: &Ray, hit: &Hit) -> bool {
         let magnitude = candidate.point.abs().max_element() + self.distance(candidate.point);
         candidate.off_plane(ray.at(hit.t)) <= ROUNDING * magnitude
             && candidate.normal.dot(ray.direction.as_dvec3()) < 0.0
     }
 
-    /// Whether the pixels that a match is interpolated from show nothing farther from the plane of its
-    /// surface than a pixel is wide.
+    /// Whether the pixels that a match is interpolated from show points within a pixel's width of its tangent plane.
     ///
-    /// A plane, be it ever so steep, passes. A smooth shape's point that is seen k pixels inside its outline
-    /// has its neighbours 1/(4k) pixels from its plane, whatever the shape's size: it passes almost up to
-    /// the outline, beyond which what is seen is behind it by more than a pixel unless it is hardly behind
-    /// it at all.
+    /// A plane at any angle passes. A point of a smooth shape k pixels inside its silhouette
+    /// has its neighbours 1/(4k) pixels from its tangent plane, whatever the shape's size: it passes almost up to
+    /// the silhouette. Points beyond the silhouette are farther behind than a pixel's width, unless there is hardly
+    /// any step in depth.
     fn shows_surroundings(&self, candidate: &Candidate, points: &[Option<DVec3>]) -> bool {
         let pixel = self.pixel(self.distance(candidate.point));
         let taps = taps(
-            candidate.of.place,
+            candidate.of.position,
             self.width as usize,
             self.height as usize,
         );
@@ -281,15 +282,15 @@ impl<'a> View<'a> {
 }
 
 impl Candidate {
-    /// How far a point is from the plane of the surface.
+    /// The distance of a point from the tangent plane.
     fn off_plane(&self, point: DVec3) -> f64 {
         self.normal.dot(point - self.point).abs()
     }
 }
 
-/// What rays that run side by side meet.
+/// The hits of coherent rays.
 fn hits(scene: &Scene, rays: &[Ray]) -> Vec<Option<Hit>> {
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_packet(rays, &mut hits, &mut Traversal::default());
+    scene.closest_coherent(rays, &mut hits, &mut Traversal::default());
     hits
 }

@@ -1,14 +1,13 @@
-use super::grid::Grid;
-use super::observer::FrameObserver;
+//! Camera samples of the points of a frame, in passes, and their A/B half buffers.
+
 use super::{PixelSampling, Renderer};
 use crate::accel::Traversal;
 use crate::camera::{Camera, CameraRays};
 use crate::integrator::{CameraSample, Integrator};
 use crate::sampling::Sequence;
 use glam::{DVec2, DVec3, Vec3};
-use rayon::prelude::*;
 
-/// So many camera rays set out together.
+/// Camera rays that are traced together.
 const BATCH: usize = 256;
 
 /// How the points of a frame are sampled.
@@ -19,12 +18,12 @@ const BATCH: usize = 256;
 pub(super) struct Sampler<'a> {
     rays: CameraRays,
     sampling: PixelSampling,
-    /// Of each half.
+    /// Of one half buffer.
     integrator: Integrator<'a>,
-    /// Of each half in one pass.
+    /// Of one half buffer in one pass.
     samples: u32,
-    /// 1 or 2.
-    pub(super) halves: usize,
+    /// How many half buffers there are: 1 without noise, else 2.
+    pub(super) half_buffers: usize,
     seed: u32,
     frame: u32,
 }
@@ -42,9 +41,9 @@ impl<'a> Sampler<'a> {
             PixelSampling::Center | PixelSampling::Corners => 1,
         };
         let mut integrator = integrator.clone();
-        let mut halves = 1;
+        let mut half_buffers = 1;
         if settings.has_noise() {
-            halves = 2;
+            half_buffers = 2;
             if samples == 1 && !integrator.splits().is_empty() {
                 integrator = integrator.with_half_the_paths();
             } else {
@@ -56,14 +55,14 @@ impl<'a> Sampler<'a> {
             sampling: settings.sampling,
             integrator,
             samples,
-            halves,
+            half_buffers,
             seed: settings.seed,
             frame: if settings.lock_seed { 0 } else { frame },
         }
     }
 
-    /// How many passes a point can take: single precision tells 2^24 camera samples of a half apart, and 32
-    /// bits number their paths.
+    /// The most passes of a point: single precision tells 2^24 camera samples of a half buffer apart, and the indices
+    /// of their paths have 32 bits.
     pub(super) fn most_passes(&self) -> u32 {
         let splits = self.integrator.splits().iter();
         let paths = splits.map(|&split| u64::from(split));
@@ -72,23 +71,23 @@ impl<'a> Sampler<'a> {
         (samples as u32 / self.samples).max(1)
     }
 
-    /// The mean light of each half of each point, half by half, in the passes that `passes` gives: those
-    /// before `.0` were taken before, those before `.1`, one more at least, are taken now.
+    /// The mean radiance at each point, half buffer by half buffer, over the passes that `passes` gives, from `.0`
+    /// to before `.1`: at least one.
     pub(super) fn means(
         &self,
         points: &[(u32, u32)],
         passes: impl Fn((u32, u32)) -> (u32, u32),
         work: &mut Work,
     ) -> Vec<Vec3> {
-        // In double precision: a million equal numbers would not add up in single precision.
-        let mut sums = vec![DVec3::ZERO; points.len() * self.halves];
+        // The sum of a million equal numbers is wrong in single precision.
+        let mut sums = vec![DVec3::ZERO; points.len() * self.half_buffers];
         let mut batch = Batch::default();
         for (number, &(x, y)) in points.iter().enumerate() {
             let (first, last) = passes((x, y));
             let corner = DVec2::new(x.into(), y.into());
             let sequence = Sequence::new(self.seed, self.frame, x, y);
-            for half in 0..self.halves {
-                let sequence = match self.halves {
+            for half in 0..self.half_buffers {
+                let sequence = match self.half_buffers {
                     1 => sequence,
                     _ => sequence.half(half as u32),
                 };
@@ -107,7 +106,7 @@ impl<'a> Sampler<'a> {
                         sequence,
                         index,
                     });
-                    batch.owners.push(number * self.halves + half);
+                    batch.sums.push(number * self.half_buffers + half);
                     if batch.samples.len() == BATCH {
                         self.trace(&mut batch, work, &mut sums);
                     }
@@ -116,7 +115,7 @@ impl<'a> Sampler<'a> {
         }
         self.trace(&mut batch, work, &mut sums);
         let count = |number: usize| {
-            let (first, last) = passes(points[number / self.halves]);
+            let (first, last) = passes(points[number / self.half_buffers]);
             f64::from((last - first) * self.samples)
         };
         let sums = sums.into_iter().enumerate();
@@ -124,114 +123,35 @@ impl<'a> Sampler<'a> {
             .collect()
     }
 
-    /// Adds the light of up to [`BATCH`] samples to the sums of their owners, and forgets them.
+    /// Adds the radiance of up to [`BATCH`] samples to the sums that they belong to, and clears the batch.
     fn trace(&self, batch: &mut Batch, work: &mut Work, sums: &mut [DVec3]) {
         let mut radiance = [Vec3::ZERO; BATCH];
         let radiance = &mut radiance[..batch.samples.len()];
         let traversal = &mut work.traversal;
         self.integrator
             .radiance(&batch.samples, traversal, radiance);
-        for (owner, light) in batch.owners.iter().zip(radiance) {
-            if light.is_finite() {
-                sums[*owner] += light.as_dvec3();
+        for (sum, radiance) in batch.sums.iter().zip(radiance) {
+            if radiance.is_finite() {
+                sums[*sum] += radiance.as_dvec3();
             } else {
                 work.non_finite += 1;
             }
         }
         batch.samples.clear();
-        batch.owners.clear();
+        batch.sums.clear();
     }
 }
 
-/// Samples that set out together, and the numbers of the sums that they belong to.
+/// Samples that are traced together, and the indices of the sums that they belong to.
 #[derive(Default)]
 struct Batch {
     samples: Vec<CameraSample>,
-    owners: Vec<usize>,
+    sums: Vec<usize>,
 }
 
-/// What a thread needs while it works on a tile, and what it counts.
+/// Scratch space and counters of a thread that renders a tile.
 #[derive(Default)]
 pub(super) struct Work {
     pub(super) traversal: Traversal,
     pub(super) non_finite: u64,
-}
-
-/// The points of a tile that took samples, and the mean of these, half by half.
-struct RefinedTile {
-    points: Vec<(u32, u32)>,
-    means: Vec<Vec3>,
-    rays: u64,
-    non_finite: u64,
-}
-
-/// What the points of a frame are known to be so far.
-pub(super) struct Estimates {
-    /// The mean of each half of each point, half by half.
-    pub(super) values: Vec<Vec3>,
-    /// How many passes each point has taken.
-    pub(super) passes: Vec<u32>,
-    pub(super) rays: u64,
-    pub(super) non_finite: u64,
-}
-
-impl Estimates {
-    pub(super) fn new(grid: Grid, sampler: &Sampler) -> Estimates {
-        Estimates {
-            values: vec![Vec3::ZERO; grid.len() * sampler.halves],
-            passes: vec![0; grid.len()],
-            rays: 0,
-            non_finite: 0,
-        }
-    }
-
-    /// Takes as many passes at each point, by its number, as are missing to those wanted; tile by tile in
-    /// parallel. Once the observer stops, further tiles take none.
-    pub(super) fn refine(
-        &mut self,
-        grid: Grid,
-        sampler: &Sampler,
-        wanted: impl Fn(usize) -> u32 + Sync,
-        observer: &dyn FrameObserver,
-    ) {
-        let taken = &self.passes;
-        let passes = |point| {
-            let number = grid.number(point);
-            (taken[number], wanted(number))
-        };
-        let refined: Vec<RefinedTile> = (0..grid.tiles())
-            .into_par_iter()
-            .map(|tile| {
-                let mut points = grid.tile_points(tile);
-                let stopped = observer.is_stopped();
-                points.retain(|&point| {
-                    let (before, now) = passes(point);
-                    now > before && !stopped
-                });
-                let mut work = Work::default();
-                let means = sampler.means(&points, passes, &mut work);
-                observer.tile_done(work.traversal.rays);
-                RefinedTile {
-                    points,
-                    means,
-                    rays: work.traversal.rays,
-                    non_finite: work.non_finite,
-                }
-            })
-            .collect();
-        for tile in refined {
-            for (&point, means) in tile.points.iter().zip(tile.means.chunks(sampler.halves)) {
-                let number = grid.number(point);
-                let (before, now) = (self.passes[number], wanted(number));
-                let share = (now - before) as f32 / now as f32;
-                let values = &mut self.values[number * sampler.halves..];
-                for (value, mean) in values.iter_mut().zip(means) {
-                    *value += share * (mean - *value);
-                }
-                self.passes[number] = now;
-            }
-            self.rays += tile.rays;
-            self.non_finite += tile.non_finite;
-        }
-    }
 }

@@ -1,9 +1,9 @@
 //! Sequences: renders the frames of a camera path and hands them to a sink.
 
 use super::error_estimate::ErrorEstimate;
-use super::frame::RenderedFrame;
 use super::observer::{FrameObserver, SequenceObserver};
 use super::renderer::Renderer;
+use super::sink::{Claim, EncodedFrame, FrameSink, SinkError};
 use crate::camera::CameraPath;
 use std::any::Any;
 use std::collections::VecDeque;
@@ -11,66 +11,20 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::thread;
 
-/// Films alive at once. While one frame's last tiles are finished and its file is written, the
+/// Frames that are rendered at once. While one frame's last tiles are finished and its file is written, the
 /// next frame's tiles keep the other threads busy; more would only cost memory.
 const FRAMES_IN_FLIGHT: usize = 2;
 
-/// Why a frame could not be kept.
-pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
-
-/// Takes finished frames, from several threads and in no fixed order.
-pub trait FrameSink: Sync {
-    /// The right to keep a frame; given up if it is dropped.
-    type Slot: Send;
-
-    /// Asked right before a frame is rendered: others may be at work on the same frames. Where `insists`, it
-    /// does not matter whether others are at work on this one.
-    fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Self::Slot>, SinkError>;
-
-    /// What to keep of a frame. Is called on a thread of the pool: it may compute, not wait.
-    fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError>;
-
-    /// Keeps a frame for good, or says why it could not. May wait for a disk.
-    fn keep(&self, frame: u32, slot: Self::Slot, encoded: &EncodedFrame) -> Result<(), SinkError>;
-}
-
-/// Whether to render a frame.
-#[derive(Debug)]
-pub enum Claim<Slot> {
-    /// Nobody else does.
-    Granted(Slot),
-    /// Somebody else is at work on it.
-    Busy,
-    /// Somebody else has kept it.
-    Kept,
-}
-
-/// The bytes to keep of a frame.
-#[derive(Debug)]
-pub struct EncodedFrame {
-    /// The picture.
-    pub picture: Vec<u8>,
-    /// The map of its error, if one is wanted.
-    pub error_map: Option<Vec<u8>>,
-}
-
-impl EncodedFrame {
-    /// How many bytes there are to keep.
-    pub fn bytes(&self) -> usize {
-        self.picture.len() + self.error_map.as_ref().map_or(0, Vec::len)
-    }
-}
-
-/// How a sequence went.
+/// The result of rendering a sequence.
 #[derive(Debug, Default)]
 pub struct Outcome {
     /// How many frames were rendered and kept.
     pub kept: u32,
-    /// How many frames others kept in the meantime.
+    /// How many frames other processes kept in the meantime.
     pub kept_by_others: u32,
-    /// The frames that were not kept and why, by number.
+    /// The frames that were not kept, and why, by frame number.
     pub failures: Vec<(u32, SinkError)>,
-    /// Whether the work was stopped while frames were left to do; those in flight were given up.
+    /// Whether the observer stopped the sequence before its end; frames in flight were given up.
     pub stopped: bool,
     /// Rays traced in all frames that were kept.
     pub rays: u64,
@@ -78,7 +32,7 @@ pub struct Outcome {
     pub bytes: u64,
     /// Samples that were replaced by black because they were not finite.
     pub non_finite_samples: u64,
-    /// The errors of the frames that were kept and that chance had a part in, by number.
+    /// The errors of the frames that were kept and have one, by frame number.
     pub errors: Vec<(u32, ErrorEstimate)>,
 }
 
@@ -94,7 +48,7 @@ impl Renderer<'_> {
         sink: &Sink,
         observer: &dyn SequenceObserver,
     ) -> Outcome {
-        let run = Run {
+        let context = RenderContext {
             renderer: self,
             path,
             pool,
@@ -107,23 +61,24 @@ impl Renderer<'_> {
         // inside another and hold it back.
         thread::scope(|scope| {
             for _ in 0..FRAMES_IN_FLIGHT {
-                scope.spawn(|| run.drive());
+                scope.spawn(|| context.drive());
             }
         });
-        let mut outcome = run.outcome.into_inner().expect("no holder panics");
+        let mut outcome = context.outcome.into_inner().expect("no holder panics");
         outcome.failures.sort_by_key(|(frame, _)| *frame);
         outcome.errors.sort_by_key(|(frame, _)| *frame);
         outcome
     }
 }
 
-struct Run<'a, Sink> {
+/// A sequence that is being rendered.
+struct RenderContext<'a, Sink> {
     renderer: &'a Renderer<'a>,
     path: &'a CameraPath,
     pool: &'a rayon::ThreadPool,
     sink: &'a Sink,
     observer: &'a dyn SequenceObserver,
-    /// Frames to do, and whether to insist on them.
+    /// Frames to render, and whether to insist on them.
     queue: Mutex<VecDeque<(u32, bool)>>,
     outcome: Mutex<Outcome>,
 }
@@ -136,7 +91,7 @@ enum FrameOutcome {
     Stopped,
 }
 
-/// What a frame adds to the outcome.
+/// What a kept frame adds to the outcome.
 struct FrameStats {
     rays: u64,
     bytes: u64,
@@ -144,17 +99,18 @@ struct FrameStats {
     error: Option<ErrorEstimate>,
 }
 
-impl<Sink: FrameSink> Run<'_, Sink> {
+impl<Sink: FrameSink> RenderContext<'_, Sink> {
+    /// Renders frames from the queue until it is empty.
     fn drive(&self) {
         while let Some((frame, insists)) = self.next() {
-            let outcome_of_frame = self.render(frame, insists);
-            match &outcome_of_frame {
+            let result = self.render(frame, insists);
+            match &result {
                 Ok(FrameOutcome::Kept(_)) => self.observer.frame_kept(frame),
                 Ok(_) => {}
                 Err(error) => self.observer.frame_failed(frame, error),
             }
             let mut outcome = self.outcome.lock().expect("no holder panics");
-            match outcome_of_frame {
+            match result {
                 Ok(FrameOutcome::Kept(stats)) => {
                     outcome.kept += 1;
                     outcome.rays += stats.rays;
@@ -194,7 +150,7 @@ impl<Sink: FrameSink> Run<'_, Sink> {
             Claim::Kept => return Ok(FrameOutcome::KeptByOthers),
         };
         let work = || self.pool.install(|| self.encoded(frame));
-        // Nothing of a frame outlives its panic.
+        // A frame's data is dropped with its panic.
         let Some((encoded, mut stats)) = catch_unwind(AssertUnwindSafe(work))
             .map_err(|panic| format!("the renderer panicked: {}", message(&*panic)))?
         else {
@@ -206,7 +162,7 @@ impl<Sink: FrameSink> Run<'_, Sink> {
         Ok(FrameOutcome::Kept(stats))
     }
 
-    /// A frame as the sink keeps it; none if the work is stopped.
+    /// A frame as the sink encodes it; none if the observer stops.
     fn encoded(&self, frame: u32) -> Option<(Result<EncodedFrame, SinkError>, FrameStats)> {
         let camera = self.path.camera(frame);
         let observer: &dyn FrameObserver = self.observer;
@@ -221,11 +177,11 @@ impl<Sink: FrameSink> Run<'_, Sink> {
     }
 }
 
-/// What a panic says.
+/// The message of a panic.
 fn message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
     let text = text.or(panic.downcast_ref::<&str>().copied());
-    text.unwrap_or("nothing more is known")
+    text.unwrap_or("without a message")
 }
 
 #[cfg(test)]
@@ -233,12 +189,12 @@ mod tests {
     use super::*;
     use crate::camera::{Interpolation, Keyframe, Orientation, PathTiming, Segment};
     use crate::integrator::IntegratorSettings;
-    use crate::render::RenderSettings;
+    use crate::render::{RenderSettings, RenderedFrame};
     use crate::scene::SceneBuilder;
     use glam::DVec3;
     use std::sync::atomic::{AtomicBool, Ordering};
 
-    /// Keeps the numbers of frames, and does with some what others would.
+    /// Keeps the numbers of frames, and fails at some, as other processes and disks do.
     #[derive(Default)]
     struct Sink {
         kept: Mutex<Vec<u32>>,
@@ -281,7 +237,7 @@ mod tests {
         }
     }
 
-    /// Notes what it is told, and stops after a frame.
+    /// Records calls, and stops after a frame.
     #[derive(Default)]
     struct Notes {
         lines: Mutex<Vec<String>>,

@@ -68,7 +68,7 @@ fn reference(
     }
     let renderer = Renderer::new(inputs.scene, settings, None).expect("needs no cache");
     let rendered = renderer.render_frame(&camera, frame);
-    let halves = rendered.halves();
+    let halves = rendered.half_buffers();
     for (file, half) in files.iter().zip(&halves) {
         let kept = fs::create_dir_all(&folder)
             .and_then(|()| write_atomic(file, &encode_exr(half, &fingerprint)?));

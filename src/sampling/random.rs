@@ -32,13 +32,13 @@ impl Random {
         Vec3::new(self.unit() - 0.5, self.unit() - 0.5, self.unit() - 0.5) * 2.0 * size
     }
 
-    /// A triangle with one corner in the box of `spread` and the others within the box of `size` from it.
+    /// A triangle with one vertex in the box of `spread` and the others within the box of `size` from it.
     pub fn triangle(&mut self, spread: f32, size: f32) -> [Vec3; 3] {
-        let corner = self.vector(spread);
+        let vertex = self.vector(spread);
         [
-            corner,
-            corner + self.vector(size),
-            corner + self.vector(size),
+            vertex,
+            vertex + self.vector(size),
+            vertex + self.vector(size),
         ]
     }
 

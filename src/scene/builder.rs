@@ -1,63 +1,67 @@
+//! Builds a scene from parts in world coordinates: chooses its origin, drops triangles without area, finds the features
+//! of its materials.
+
 use super::{Scene, Triangle};
-use crate::accel::{Bvh, Kernel};
+use crate::accel::Bvh;
 use crate::geometry::{Mesh, Sphere};
 use crate::light::PointLight;
-use crate::material::{FeatureSet, Material};
+use crate::material::Material;
+use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 
-/// The materials of a mesh, as numbers of the scene's materials.
+/// The materials of a mesh, as indices of the scene's materials.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum MeshMaterial {
     /// One for the whole mesh.
     Uniform(usize),
-    /// One for each corner of the mesh's only triangle, mixed barycentrically.
+    /// One for each vertex of the mesh's only triangle, interpolated barycentrically.
     PerVertex([usize; 3]),
 }
 
-/// A mesh in world coordinates, in double precision, before the scene's origin is known.
+/// A mesh in world coordinates, in double precision.
 #[derive(Clone, Debug)]
 pub struct SourceMesh {
-    /// Corner positions.
+    /// Vertex positions.
     pub positions: Vec<DVec3>,
-    /// Unit normals for each corner, or none; a zero vector asks for the triangle's own.
+    /// A unit normal for each vertex, or none at all; a zero vector stands for the geometric normal.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates for each corner, or none.
+    /// Texture coordinates for each vertex, or none at all.
     pub uvs: Vec<Vec2>,
-    /// Corner indices.
+    /// Vertex indices, below the number of positions.
     pub triangles: Vec<[u32; 3]>,
-    /// What it is made of.
+    /// Its materials.
     pub material: MeshMaterial,
 }
 
-/// A scene in the making: parts in world coordinates, all finite, all numbers valid.
+/// The parts of a scene in world coordinates. All numbers are finite and all indices valid: input is checked before.
 #[derive(Debug, Default)]
 pub struct SceneBuilder {
     /// The scene's ambient colour.
     pub ambient: Vec3,
-    /// What a ray that leaves the scene sees.
+    /// The radiance along a ray that leaves the scene.
     pub background: Vec3,
     /// All materials.
     pub materials: Vec<Material>,
     /// All textures.
     pub textures: Vec<Texture>,
-    /// World positions and the lights; the position inside the light is not looked at.
+    /// World positions and the lights; the position inside the light is ignored.
     pub lights: Vec<(DVec3, PointLight)>,
-    /// Spheres in world coordinates with the numbers of their materials.
+    /// Spheres in world coordinates with the indices of their materials.
     pub spheres: Vec<(Sphere, usize)>,
     /// Meshes.
     pub meshes: Vec<SourceMesh>,
-    /// What answers the scene's ray queries.
+    /// The kernel that answers the scene's ray queries.
     pub kernel: Kernel,
 }
 
 impl SceneBuilder {
-    /// Arranges the scene for rays. Also returns how many triangles without area were dropped.
+    /// Builds the scene and its acceleration structure. Also returns how many triangles without area were dropped.
     pub fn build(self) -> (Scene, usize) {
         let origin = self.origin();
         let relative = |p: DVec3| (p - origin).as_vec3();
         let mut dropped = 0;
-        let mut corner_positions = Vec::new();
+        let mut triangle_vertices = Vec::new();
         let mut triangles = Vec::new();
         let mut meshes = Vec::new();
         let mut mesh_materials = Vec::new();
@@ -67,14 +71,14 @@ impl SceneBuilder {
                 normals: source.normals,
                 uvs: source.uvs,
             };
-            for corners in source.triangles {
-                let Some(normal) = mesh.geometric_normal(corners) else {
+            for vertices in source.triangles {
+                let Some(normal) = mesh.geometric_normal(vertices) else {
                     dropped += 1;
                     continue;
                 };
-                corner_positions.push(mesh.triangle(corners));
+                triangle_vertices.push(mesh.triangle(vertices));
                 triangles.push(Triangle {
-                    corners,
+                    vertices,
                     mesh: meshes.len() as u32,
                     normal,
                 });
@@ -107,8 +111,8 @@ impl SceneBuilder {
             }
         }
         let used = used.into_iter().map(|id| &self.materials[id]);
-        let features = FeatureSet::of(used, mixes);
-        let bvh = Bvh::new(&corner_positions, spheres.clone(), self.kernel);
+        let features = Material::features(used, mixes);
+        let bvh = Bvh::new(&triangle_vertices, spheres.clone(), self.kernel);
         let bounds = bvh.bounds();
         let scene = Scene {
             origin,
@@ -129,18 +133,18 @@ impl SceneBuilder {
         (scene, dropped)
     }
 
-    /// Where most of the scene is: the median of all corners and of the ends of spheres, axis by axis.
-    /// Neither a sun nor a far corner nor a globe for a ground takes precision from the rest.
+    /// The median of all vertices and of the ends of spheres, axis by axis: a robust centre, so that single precision is
+    /// finest where most of the scene is, whatever lies far away.
     fn origin(&self) -> DVec3 {
-        let corners = self.meshes.iter().flat_map(|m| m.positions.iter().copied());
+        let vertices = self.meshes.iter().flat_map(|m| m.positions.iter().copied());
         let spheres = self.spheres.iter().map(|(sphere, _)| sphere);
         let ends = spheres.flat_map(|s| [s.center - s.radius, s.center + s.radius]);
-        let points: Vec<DVec3> = corners.chain(ends).collect();
+        let points: Vec<DVec3> = vertices.chain(ends).collect();
         DVec3::from_array([0, 1, 2].map(|axis| median(points.iter().map(|p| p[axis]))))
     }
 }
 
-/// The middle of some numbers, between the two in the middle of an even count of them; 0 of none.
+/// The median of some numbers, the mean of the middle two of an even count; 0 of none.
 fn median(numbers: impl Iterator<Item = f64>) -> f64 {
     let mut numbers: Vec<f64> = numbers.collect();
     if numbers.is_empty() {
@@ -161,7 +165,7 @@ mod tests {
     const PLAIN: Material = Material::lambert(Vec3::ONE);
 
     #[test]
-    fn only_what_is_used_counts() {
+    fn only_used_materials_have_features() {
         let materials = vec![
             PLAIN,
             Material {

@@ -1,34 +1,55 @@
-//! The resolved scene: immutable, checked, ready for rays.
+//! The resolved scene: immutable, checked, with its acceleration structure.
 //!
-//! What the tracer may rely on: every number is finite; every material and texture number exists;
-//! no triangle is without area; normals are of unit length or zero; coordinates are relative to
-//! [`Scene::origin`], in the midst of the scene, so that single precision is finest where the
-//! scene is.
+//! What the renderer may assume of a [`Scene`]:
+//!
+//! - Every number is finite.
+//! - Coordinates are in metres, right-handed with +Y up, in single precision relative to [`Scene::origin`]. The origin
+//!   is the median of the geometry, so that precision is finest where most of the scene is.
+//! - Every index of a vertex, a material or a texture exists.
+//! - No triangle has zero area; its geometric normal is of unit length, on the side that sees its vertices
+//!   counter-clockwise.
+//! - A mesh has one normal per vertex or none; each is of unit length, or zero for the geometric normal. It has one
+//!   texture coordinate per vertex or none.
+//! - A mesh with a material per vertex has exactly one triangle.
+//! - Sphere radii are above 0.
+//! - Colours are linear RGB. Diffuse and mirror weights are in 0..1; specular weights, exponents, light intensities,
+//!   ambient and background are 0 or more.
+//! - Textures have at least one texel and are sampled as linear RGB in 0..1.
+//! - [`Scene::features`] holds every feature that a used material has; code that is compiled for fewer features than
+//!   these gives wrong colours.
+//! - Primitives are numbered: triangles first, then spheres.
+//!
+//! Knows nothing of files, cameras or integrators.
 
 mod builder;
+mod shadow_packet;
 mod surface;
+mod surface_point;
 
 pub use builder::{MeshMaterial, SceneBuilder, SourceMesh};
+pub use shadow_packet::ShadowPacket;
 pub use surface::Surface;
+pub use surface_point::{SurfacePoint, SurfacePointPacket};
 
-use crate::accel::{Bvh, Points, Sight, Traversal};
-use crate::geometry::{Corners, Hit, Mesh, Sphere};
+use crate::accel::{Bvh, Traversal};
+use crate::geometry::{Hit, Mesh, Sphere, VertexIndices};
 use crate::light::PointLight;
 use crate::material::{FeatureSet, Material};
 use crate::math::{Aabb, Ray};
+use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec3};
 
-/// Everything that can be seen, and the lights that show it.
+/// Geometry, materials and lights.
 #[derive(Debug)]
 pub struct Scene {
-    /// Where the scene's own coordinates have their origin, in world coordinates.
+    /// The origin of the scene's own coordinates, in world coordinates.
     pub origin: DVec3,
     /// The lights.
     pub lights: Vec<PointLight>,
     /// The scene's ambient colour.
     pub ambient: Vec3,
-    /// What a ray that leaves the scene sees.
+    /// The radiance along a ray that leaves the scene.
     pub background: Vec3,
     meshes: Vec<Mesh>,
     mesh_materials: Vec<MeshMaterial>,
@@ -37,17 +58,17 @@ pub struct Scene {
     sphere_materials: Vec<usize>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
-    /// What its surfaces need: the code that is generic over it relies on that.
+    /// The features of its used materials.
     features: FeatureSet,
     bvh: Bvh,
-    /// The largest absolute coordinate of any shape.
+    /// The largest absolute coordinate of all shapes.
     magnitude: f32,
 }
 
-/// What shading needs of a triangle, side by side.
+/// The shading data of a triangle.
 #[derive(Clone, Copy, Debug)]
 struct Triangle {
-    corners: Corners,
+    vertices: VertexIndices,
     /// The index of its mesh.
     mesh: u32,
     /// Unit normal of its winding.
@@ -55,53 +76,63 @@ struct Triangle {
 }
 
 impl Scene {
-    /// The nearest hit of a ray, or none.
+    /// The closest hit of a ray, or none.
     pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Option<Hit> {
         self.bvh.closest(ray, traversal)
     }
 
-    /// The nearest hit, or none, of each of some rays that run side by side.
-    pub fn closest_of_packet(
+    /// The closest hit of each ray, or none; fast for coherent rays.
+    pub fn closest_coherent(
         &self,
         rays: &[Ray],
         hits: &mut [Option<Hit>],
         traversal: &mut Traversal,
     ) {
-        self.bvh.closest_of_packet(rays, hits, traversal);
+        self.bvh.closest_coherent(rays, hits, traversal);
     }
 
-    /// How points see a target if nothing is in the way.
-    pub fn look(&self, points: &Points, target: Vec3) -> Sight {
-        self.bvh.look(points, target)
-    }
-
-    /// A bit for each ray of a sight that has something in its interval, of rays that run side by side.
-    pub fn occluded_of_sight(&self, sight: &Sight, traversal: &mut Traversal) -> u32 {
-        self.bvh.occluded_of_sight(sight, traversal)
-    }
-
-    /// As [`Scene::closest_of_packet`], of any number of rays that have nothing in common.
-    pub fn closest_of_wave(
+    /// As [`Scene::closest_coherent`], for any number of incoherent rays.
+    pub fn closest_incoherent(
         &self,
         rays: &[Ray],
         hits: &mut [Option<Hit>],
         traversal: &mut Traversal,
     ) {
-        self.bvh.closest_of_wave(rays, hits, traversal);
+        self.bvh.closest_incoherent(rays, hits, traversal);
     }
 
-    /// As [`Scene::occluded_of_sight`], of sights all over the scene, one after the other.
-    pub fn occluded_of_sights(&self, sights: &[Sight], traversal: &mut Traversal) -> Vec<u32> {
-        self.bvh.occluded_of_sights(sights, traversal)
+    /// The shadow rays from points to a target, not yet traced.
+    pub fn shadow_rays_to(&self, points: &SurfacePointPacket, target: Vec3) -> ShadowPacket {
+        points.shadow_rays_to(target, self.kernel())
     }
 
-    /// The distance from a point in world coordinates to the nearest surface, or none if it is not below
+    /// The mask of the rays of a packet that are occluded; fast for coherent rays.
+    pub fn occluded_coherent(&self, packet: &ShadowPacket, traversal: &mut Traversal) -> u32 {
+        self.bvh.occluded_coherent(&packet.rays, traversal)
+    }
+
+    /// As [`Scene::occluded_coherent`], for packets of incoherent rays.
+    pub fn occluded_incoherent(
+        &self,
+        packets: &[ShadowPacket],
+        traversal: &mut Traversal,
+    ) -> Vec<u32> {
+        let packets = packets.iter().map(|packet| &packet.rays);
+        self.bvh.occluded_incoherent(packets, traversal)
+    }
+
+    /// The distance from a point in world coordinates to the closest surface, or none if it is not below
     /// `within`; in metres.
-    pub fn distance(&self, point: DVec3, within: f64) -> Option<f64> {
-        self.bvh.distance(point - self.origin, within)
+    pub fn closest_point_distance(&self, point: DVec3, within: f64) -> Option<f64> {
+        self.bvh.closest_point_distance(point - self.origin, within)
     }
 
-    /// What its surfaces need.
+    /// The instruction set of ray queries and irradiance lookups.
+    pub fn kernel(&self) -> Kernel {
+        self.bvh.kernel()
+    }
+
+    /// The features of its used materials.
     pub fn features(&self) -> FeatureSet {
         self.features
     }
@@ -111,12 +142,12 @@ impl Scene {
         self.bvh.bounds()
     }
 
-    /// How many triangles there are.
+    /// The number of triangles.
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// How many spheres there are.
+    /// The number of spheres.
     pub fn sphere_count(&self) -> usize {
         self.spheres.len()
     }
@@ -126,7 +157,7 @@ impl Scene {
         &self.textures
     }
 
-    /// Bytes of shapes, tree and textures.
+    /// Bytes of geometry, acceleration structure and textures.
     pub fn memory(&self) -> usize {
         let meshes = self.meshes.iter().map(|mesh| {
             size_of_val(&*mesh.positions) + size_of_val(&*mesh.normals) + size_of_val(&*mesh.uvs)

@@ -1,5 +1,6 @@
-use super::{MeshMaterial, Scene, Triangle};
-use crate::accel::Point;
+//! The surface at a hit: position, normals, reflectance, and how rays leave it.
+
+use super::{MeshMaterial, Scene, SurfacePoint, Triangle};
 use crate::geometry::Hit;
 use crate::material::{Features, Reflectance};
 use crate::math::{NO_PRIMITIVE, Ray};
@@ -8,9 +9,9 @@ use glam::{DVec3, Vec2, Vec3};
 /// The surface at a hit, seen from the ray's side.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
-    /// Where it is, relative to the scene's origin, and how rays leave it on the viewer's side.
-    pub point: Point,
-    /// How it returns light.
+    /// The point, on the viewer's side.
+    pub point: SurfacePoint,
+    /// How it reflects light.
     pub reflectance: Reflectance,
 }
 
@@ -20,7 +21,7 @@ struct ShapePoint {
     geometric_normal: Vec3,
     shading_normal: Vec3,
     reflectance: Reflectance,
-    /// Whether rays that leave on the normal's side and on the other cannot meet the shape again.
+    /// Whether rays that leave on the normal's side, and on the other, cannot hit the shape again.
     convex: [bool; 2],
 }
 
@@ -39,18 +40,18 @@ impl Scene {
         } else {
             -point.geometric_normal
         };
-        // Interpolated normals are made to agree with the side that is seen.
+        // Interpolated normals are flipped to the side that is seen.
         let agrees = point.shading_normal.dot(geometric_normal) >= 0.0;
         let shading_normal = if agrees {
             point.shading_normal
         } else {
             -point.shading_normal
         };
-        let position = round_back(point.position, ray, hit.t);
+        let position = round_towards_origin(point.position, ray, hit.t);
         let magnitude = ray.origin.abs().max_element().max(self.magnitude);
         let is_convex = point.convex[usize::from(!outside)];
         Surface {
-            point: Point {
+            point: SurfacePoint {
                 position,
                 geometric_normal,
                 shading_normal,
@@ -65,13 +66,13 @@ impl Scene {
         }
     }
 
-    /// Whether `ray` meets the front of a shape at `hit`: what [`Scene::normal`] points away from.
+    /// Whether `ray` hits the front of a shape: the side that [`Scene::normal`] points to.
     pub fn is_front(&self, ray: &Ray, hit: &Hit) -> bool {
         self.normal(ray, hit).dot(ray.direction) < 0.0
     }
 
-    /// The unit normal of what `ray` hits, whichever side it sees: out of a sphere, and of a triangle on the side
-    /// that sees its corners counter-clockwise.
+    /// The unit normal of what `ray` hits, whichever side it hits: out of a sphere, and of a triangle to the side
+    /// from which its vertices run counter-clockwise.
     pub fn normal(&self, ray: &Ray, hit: &Hit) -> Vec3 {
         let number = hit.primitive as usize;
         match self.triangles.get(number) {
@@ -85,22 +86,22 @@ impl Scene {
 
     #[inline]
     fn triangle_point<F: Features>(&self, position: DVec3, triangle: &Triangle) -> ShapePoint {
-        let corners = triangle.corners;
+        let vertices = triangle.vertices;
         let mesh = &self.meshes[triangle.mesh as usize];
         let material = &self.mesh_materials[triangle.mesh as usize];
         let is_textured = |id: usize| F::TEXTURES && self.materials[id].texture.is_some();
-        let is_of_one_color = match material {
+        let is_uniform = match material {
             MeshMaterial::Uniform(id) => !is_textured(*id),
             MeshMaterial::PerVertex(_) => false,
         };
-        // Flat and of one colour: no need to know where on the triangle the point is.
-        let weights = if is_of_one_color && mesh.normals.is_empty() {
+        // Flat and of one colour: the weights are not needed.
+        let weights = if is_uniform && mesh.normals.is_empty() {
             [1.0, 0.0, 0.0]
         } else {
-            mesh.weights(corners, position)
+            mesh.weights(vertices, position)
         };
         let uv = if F::TEXTURES {
-            mesh.uv(corners, weights)
+            mesh.uv(vertices, weights)
         } else {
             Vec2::ZERO
         };
@@ -108,7 +109,7 @@ impl Scene {
         ShapePoint {
             position,
             geometric_normal: triangle.normal,
-            shading_normal: mesh.shading_normal(corners, weights, triangle.normal),
+            shading_normal: mesh.shading_normal(vertices, weights, triangle.normal),
             reflectance: match material {
                 MeshMaterial::Uniform(id) => at(*id),
                 MeshMaterial::PerVertex(ids) => Reflectance::barycentric(ids.map(at), weights),
@@ -136,27 +137,27 @@ impl Scene {
     }
 }
 
-/// A point that a ray sees, rounded to single precision towards the ray's start and some roundings nearer
-/// to it: all between the two is free, but just behind the point there may be a wall, as in a corner.
+/// A hit point, rounded to single precision towards the ray's origin and moved towards it by a few units of
+/// rounding: the space in between is free, but just behind the point there may be a wall, as in a corner.
 #[inline]
-fn round_back(point: DVec3, ray: &Ray, t: f64) -> Vec3 {
+fn round_towards_origin(point: DVec3, ray: &Ray, t: f64) -> Vec3 {
     const ROUNDINGS: f64 = 4.0 * f32::EPSILON as f64;
     let direction = ray.direction.as_dvec3();
     let back = (ROUNDINGS * point.abs().max_element()).min(0.5 * t);
     let point = point - back * direction;
     let nearest = point.as_vec3();
     let beyond = (nearest.as_dvec3() - point) * direction;
-    // Whether it is, and on which side, no processor can foresee: so without branches.
+    // Branches would be mispredicted half of the time: so there are none.
     Vec3::from_array([0, 1, 2].map(|axis| {
         let back = -ray.direction[axis].signum() as i32;
         stepped(nearest[axis], back * i32::from(beyond[axis] > 0.0))
     }))
 }
 
-/// The number so many representable numbers above `x`; it and the result are finite.
+/// The float `steps` representable numbers above `x`; both are finite.
 #[inline]
 fn stepped(x: f32, steps: i32) -> f32 {
-    // How many of them lie between a number and 0 are its bits without the sign.
+    // The bits without the sign count the representable numbers between 0 and a number.
     let bits = x.to_bits() as i32;
     let sign = bits >> 31;
     let place = (((bits & i32::MAX) ^ sign) - sign) + steps;
@@ -164,15 +165,14 @@ fn stepped(x: f32, steps: i32) -> f32 {
     f32::from_bits((((place ^ sign) - sign) | (sign << 31)) as u32)
 }
 
-/// How far a point may be behind its surface along the normal, doubled.
+/// Twice the error bound of a point along the normal: the distance at which rays start.
 ///
-/// The point was found in double precision, so almost all of it is its rounding to single
-/// precision: an ulp in each coordinate. Doubling keeps a ray's start on its side of the exact
-/// surface after the start, too, is rounded. `magnitude` bounds the coordinates that the point was
-/// worked out from.
+/// The point was computed in double precision, so almost all of its error is its rounding to single
+/// precision: an ulp in each coordinate. Doubling keeps a ray's origin on its side of the exact surface after the
+/// origin, too, is rounded. `magnitude` bounds the coordinates that the point was computed from.
 fn offset(position: Vec3, normal: Vec3, magnitude: f32) -> f32 {
-    const DOUBLE_ROUNDINGS: f32 = 32.0 * f64::EPSILON as f32;
-    (2.0 * f32::EPSILON * position.abs()).dot(normal.abs()) + DOUBLE_ROUNDINGS * magnitude
+    const DOUBLE_PRECISION_ERROR: f32 = 32.0 * f64::EPSILON as f32;
+    (2.0 * f32::EPSILON * position.abs()).dot(normal.abs()) + DOUBLE_PRECISION_ERROR * magnitude
 }
 
 #[cfg(test)]

@@ -2,30 +2,31 @@
 
 use super::fixtures::{first_hits, ray_in, sine, worse};
 use super::shapes::Polyhedron;
-use crate::accel::{Bvh, Kernel, Traversal};
+use crate::accel::{Bvh, Traversal};
 use crate::geometry::{Mesh, Transform};
 use crate::material::{Material, Only};
 use crate::math::Ray;
 use crate::sampling::Random;
 use crate::scene::SceneBuilder;
+use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 
 /// Rays that lie in a triangle's plane, some along its edges, all numbers whole and so exact; and rays to
-/// triangles whose corners coincide or lie in line: none of them meets anything.
+/// triangles whose vertices coincide or lie in line: none of them meets anything.
 pub(super) fn edge_on(kernel: Kernel) -> f64 {
     let mut random = Random::new(2);
     let mut traversal = Traversal::default();
     let mut hits = 0;
     for _ in 0..2000 {
         let mut whole = || DVec3::from_array([0; 3].map(|_| random.whole(9) as f64));
-        let (corner, u, v) = (whole(), whole(), whole());
+        let (vertex, u, v) = (whole(), whole(), whole());
         let flat = Bvh::new(
-            &[[corner, corner + u, corner + v].map(|p| p.as_vec3())],
+            &[[vertex, vertex + u, vertex + v].map(|p| p.as_vec3())],
             vec![],
             kernel,
         );
         let line = Bvh::new(
-            &[[corner, corner + u, corner + 3.0 * u].map(|p| p.as_vec3())],
+            &[[vertex, vertex + u, vertex + 3.0 * u].map(|p| p.as_vec3())],
             vec![],
             kernel,
         );
@@ -36,9 +37,9 @@ pub(super) fn edge_on(kernel: Kernel) -> f64 {
             }
             for bvh in [&flat, &line] {
                 for start in [
-                    corner,
-                    corner - 2.0 * direction,
-                    corner + u - 3.0 * direction,
+                    vertex,
+                    vertex - 2.0 * direction,
+                    vertex + u - 3.0 * direction,
                 ] {
                     let ray = Ray::new(start.as_vec3(), direction.as_vec3());
                     hits += usize::from(bvh.closest(&ray, &mut traversal).is_some());
@@ -46,8 +47,8 @@ pub(super) fn edge_on(kernel: Kernel) -> f64 {
             }
         }
         for _ in 0..10 {
-            let start = corner + 20.0 * random.point();
-            let target = corner + f64::from(3.0 * random.unit()) * u;
+            let start = vertex + 20.0 * random.point();
+            let target = vertex + f64::from(3.0 * random.unit()) * u;
             let ray = Ray::new(start.as_vec3(), (target - start).as_vec3());
             hits += usize::from(line.closest(&ray, &mut traversal).is_some());
         }
@@ -60,7 +61,7 @@ pub(super) fn edge_on(kernel: Kernel) -> f64 {
 pub(super) fn slivers(kernel: Kernel) -> f64 {
     let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
     let strip = Polyhedron {
-        corners: vec![
+        vertices: vec![
             at(0.0, 0.0),
             at(1.0, 0.0),
             at(1.0, 1e-7),
@@ -94,7 +95,7 @@ pub(super) fn slivers(kernel: Kernel) -> f64 {
     misses as f64
 }
 
-/// Long triangles with corners in whole numbers, whose exact normals are whole numbers, too. Single
+/// Long triangles with vertices in whole numbers, whose exact normals are whole numbers, too. Single
 /// precision writes a unit vector to 6e-8 in each coordinate.
 pub(super) fn sliver_normals(_: Kernel) -> f64 {
     let mut random = Random::new(4);
@@ -126,10 +127,10 @@ pub(super) fn sliver_normals(_: Kernel) -> f64 {
     worst
 }
 
-/// Of a hundred thousand equal triangles, their corners in any order, the first is hit; and so it is of two
+/// Of a hundred thousand equal triangles, their vertices in any order, the first is hit; and so it is of two
 /// of 1 to 1000 m, seen from 2 m.
 pub(super) fn coincident(kernel: Kernel) -> f64 {
-    let corners = [
+    let vertices = [
         Vec3::new(-1.1, -0.9, -2.3),
         Vec3::new(1.2, -1.0, -1.9),
         Vec3::new(0.1, 1.0, -2.0),
@@ -143,7 +144,7 @@ pub(super) fn coincident(kernel: Kernel) -> f64 {
         (2, 30.0, 20_000),
         (2, 1000.0, 20_000),
     ] {
-        let [a, b, c] = corners.map(|corner| corner * size);
+        let [a, b, c] = vertices.map(|vertex| vertex * size);
         let orders = [[a, b, c], [b, c, a], [c, b, a], [a, c, b]];
         let triangles: Vec<_> = (0..count).map(|i| orders[i % 4]).collect();
         let bvh = Bvh::new(&triangles, vec![], kernel);
@@ -162,11 +163,11 @@ pub(super) fn coincident(kernel: Kernel) -> f64 {
     others as f64
 }
 
-/// Triangles without area are left out and counted, others are kept, be they ever so small; a corner
+/// Triangles without area are left out and counted, others are kept, be they ever so small; a vertex
 /// without a normal has the triangle's.
 pub(super) fn without_area(kernel: Kernel) -> f64 {
     let mesh = Polyhedron {
-        corners: vec![
+        vertices: vec![
             DVec3::ZERO,
             DVec3::X,
             DVec3::Y,

@@ -1,7 +1,7 @@
 //! What cases share: cameras, lights, materials, scenes, renderers and error measures.
 
 use super::shapes::Polyhedron;
-use crate::accel::{Kernel, Traversal};
+use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::geometry::Hit;
 use crate::integrator::{CameraSample, Integrator, IntegratorSettings};
@@ -11,6 +11,7 @@ use crate::math::Ray;
 use crate::render::{RenderSettings, Renderer};
 use crate::sampling::Sequence;
 use crate::scene::{Scene, SceneBuilder};
+use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 
 /// A camera at `eye` that looks at `target`, its vertical field of view in degrees.
@@ -56,7 +57,7 @@ pub(super) fn ray_in(scene: &Scene, eye: DVec3, direction: DVec3) -> Ray {
 /// The closest hits of incoherent rays.
 pub(super) fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Option<Hit>> {
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_wave(rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(rays, &mut hits, &mut Traversal::default());
     hits
 }
 

@@ -4,13 +4,13 @@ use super::fixtures::{camera_at, path_traced, renderer, worse};
 use super::room::room;
 use super::shapes::Polyhedron;
 use super::textures::Picture;
-use crate::accel::Kernel;
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrator::IntegratorSettings;
 use crate::material::Material;
 use crate::render::{PixelSampling, RenderSettings};
 use crate::scene::{Scene, SceneBuilder, SourceMesh};
+use crate::simd::Kernel;
 use glam::{DMat3, DVec2, DVec3, Vec2, Vec3};
 
 fn settings(integrator: IntegratorSettings, sampling: PixelSampling) -> RenderSettings {

@@ -4,7 +4,7 @@ use super::fixtures::{
     DIRECT, integrator, lamp, path_traced, perfect_mirror, radiance_along, worse,
 };
 use super::shapes::Polyhedron;
-use crate::accel::{Kernel, nearest_triangle};
+use crate::accel::nearest_triangle;
 use crate::geometry::{Sphere, Transform};
 use crate::integrator::IntegratorSettings;
 use crate::light::{Falloff, PointLight};
@@ -12,6 +12,7 @@ use crate::material::Material;
 use crate::math::Ray;
 use crate::sampling::Random;
 use crate::scene::{SceneBuilder, SourceMesh};
+use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
@@ -21,7 +22,11 @@ use std::f64::consts::PI;
 pub(super) fn terminator(kernel: Kernel) -> f64 {
     let ball = Polyhedron::icosphere(1);
     let smooth = SourceMesh {
-        normals: ball.corners.iter().map(|corner| corner.as_vec3()).collect(),
+        normals: ball
+            .vertices
+            .iter()
+            .map(|vertex| vertex.as_vec3())
+            .collect(),
         ..ball.mesh(0)
     };
     let position = DVec3::new(30.0, 8.0, 2.0);
@@ -46,7 +51,7 @@ pub(super) fn terminator(kernel: Kernel) -> f64 {
         let Some((number, t, [u, v])) = nearest else {
             continue;
         };
-        let [a, b, c] = ball.faces[number].map(|corner| ball.corners[corner as usize]);
+        let [a, b, c] = ball.faces[number].map(|vertex| ball.vertices[vertex as usize]);
         let to_lamp = position - ray.at(t);
         let before = (b - a).cross(c - a).normalize().dot(to_lamp.normalize());
         let normal = ((1.0 - u - v) * a + u * b + v * c).normalize();

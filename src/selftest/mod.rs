@@ -17,7 +17,7 @@ mod surfaces;
 mod textures;
 mod watertight;
 
-use crate::accel::Kernel;
+use crate::simd::Kernel;
 use rayon::prelude::*;
 
 /// A numerically hard case with a known answer.
@@ -76,7 +76,7 @@ macro_rules! cases {
 
 cases! {
     watertight {
-        vertices_and_edges, "rays through corners of 2 to 64 triangles": "missed or ambiguous", at most 0.0;
+        vertices_and_edges, "rays through vertices of 2 to 64 triangles": "missed or ambiguous", at most 0.0;
         closed_mesh, "rays at edges of a mesh of 1e-6 to 1e6 m": "escapes of 20,000 each", at most 0.0;
         closed_mesh_anywhere, "the same 0, 1e4, 1e6 m from the origin": "escapes of 20,000 each", at most 0.0;
         scaled_unevenly, "scales of (1, 1e-3, 1e3), mirrored": "sine; 1 for an escape", at most 1e-6;
@@ -86,7 +86,7 @@ cases! {
         slivers, "a sliver of 1 to 1e-7 among others": "rays that pass between", at most 0.0;
         sliver_normals, "normals of slivers": "sine of the angle to the exact one", at most 2e-7;
         coincident, "100,000 triangles in one place": "hits of another than the first", at most 0.0;
-        without_area, "corners that coincide or lie in line": "not dropped, not counted", at most 0.0;
+        without_area, "vertices that coincide or lie in line": "not dropped, not counted", at most 0.0;
     }
     boxes {
         brute_force, "2 x 1,000,000 rays, double precision": "other hits than brute force", at most 0.0;
@@ -111,7 +111,7 @@ cases! {
     textures {
         coordinates, "coordinates of 0, 1, -1e-30, 1e6; one texel": "error of the colour", at most 1e-6;
         poles_and_seam, "a globe's poles and seam": "error of the colour", at most 1e-5;
-        equal_corners, "corners with equal coordinates": "error of the colour", at most 1e-5;
+        equal_vertices, "vertices with equal coordinates": "error of the colour", at most 1e-5;
     }
     light {
         terminator, "the terminator of a coarse smooth mesh": "error of the radiance", at most 1e-5;

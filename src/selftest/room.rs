@@ -2,11 +2,11 @@
 
 use super::fixtures::{camera_at, lamp, perfect_mirror};
 use super::shapes::Polyhedron;
-use crate::accel::Kernel;
 use crate::camera::Camera;
 use crate::geometry::Sphere;
 use crate::material::Material;
 use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
+use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 
@@ -24,7 +24,11 @@ pub(super) fn room(scale: f64, middle: DVec3, kernel: Kernel) -> (Scene, Camera)
     let bust = Polyhedron::icosphere(2);
     let placed_bust = bust.moved(|p| place(DVec3::new(-0.2, -0.3, -0.1) + 0.13 * p));
     let smooth = SourceMesh {
-        normals: bust.corners.iter().map(|corner| corner.as_vec3()).collect(),
+        normals: bust
+            .vertices
+            .iter()
+            .map(|vertex| vertex.as_vec3())
+            .collect(),
         ..placed_bust.mesh(3)
     };
     let tiled = SourceMesh {

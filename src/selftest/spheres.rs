@@ -1,7 +1,7 @@
 //! Spheres against exact arithmetic in whole numbers.
 
 use super::fixtures::{DIRECT, camera_at, lamp, renderer, worse};
-use crate::accel::{Bvh, Kernel, Traversal};
+use crate::accel::{Bvh, Traversal};
 use crate::camera::Camera;
 use crate::geometry::Sphere;
 use crate::material::Material;
@@ -9,6 +9,7 @@ use crate::math::Ray;
 use crate::render::RenderSettings;
 use crate::sampling::Random;
 use crate::scene::SceneBuilder;
+use crate::simd::Kernel;
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
 

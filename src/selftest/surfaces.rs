@@ -2,20 +2,20 @@
 
 use super::fixtures::{DIRECT, first_hits, integrator, lamp, radiance_along, ray_in, white_scene};
 use super::shapes::Polyhedron;
-use crate::accel::{Kernel, Point};
 use crate::geometry::{Hit, Sphere, Transform};
 use crate::material::{Material, Only};
 use crate::math::{NO_PRIMITIVE, Ray, to_world};
 use crate::sampling::{Random, cosine_hemisphere};
-use crate::scene::{Scene, SceneBuilder};
+use crate::scene::{Scene, SceneBuilder, SurfacePoint};
+use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// A ray that leaves a point in a direction by chance, its density that of the cosine; the shape that it
 /// leaves is not excluded.
-fn leave(point: &Point, random: &mut Random) -> Ray {
+fn leave(point: &SurfacePoint, random: &mut Random) -> Ray {
     let local = cosine_hemisphere(random.unit(), random.unit());
-    let ray = point.leave(to_world(point.geometric_normal, local));
+    let ray = point.spawn_ray(to_world(point.geometric_normal, local));
     Ray {
         exclude: NO_PRIMITIVE,
         ..ray
@@ -43,7 +43,7 @@ fn in_parts(count: impl Fn(&mut Random) -> usize + Sync) -> usize {
 
 const PART: usize = 1000;
 
-/// Quads of two triangles, their corners exact, seen from all around; what leaves one of the triangles
+/// Quads of two triangles, their vertices exact, seen from all around; what leaves one of the triangles
 /// meets neither it nor its neighbour. The quads 1e5 m away have a twin on the other side of the origin,
 /// which keeps their coordinates large; the largest one is the ground under someone's feet.
 pub(super) fn leaving_triangles(kernel: Kernel) -> f64 {
@@ -68,7 +68,7 @@ pub(super) fn leaving_triangles(kernel: Kernel) -> f64 {
         again += in_parts(|random| {
             let rays = (0..PART).map(|_| {
                 let (u, v) = (random.unit(), random.unit());
-                let target = quad.corners[0] + size * (f64::from(u) * right + f64::from(v) * up);
+                let target = quad.vertices[0] + size * (f64::from(u) * right + f64::from(v) * up);
                 let way = random.point();
                 let eye = target + distance * way.normalize_or(DVec3::Y);
                 ray_in(&scene, eye, target - eye)

@@ -1,12 +1,12 @@
 //! Texture coordinates and filtering against double precision.
 
 use super::fixtures::{first_hits, ray_in, worse};
-use crate::accel::Kernel;
 use crate::geometry::Sphere;
 use crate::material::{Material, Only};
 use crate::math::color::srgb_to_linear;
 use crate::sampling::Random;
 use crate::scene::{MeshMaterial, SceneBuilder, SourceMesh};
+use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
@@ -150,9 +150,9 @@ pub(super) fn poles_and_seam(kernel: Kernel) -> f64 {
     worst
 }
 
-/// All corners of a triangle have the same coordinate, or all of them lie on one line of the picture: the
+/// All vertices of a triangle have the same coordinate, or all of them lie on one line of the picture: the
 /// colour is that of the mixed coordinate.
-pub(super) fn equal_corners(kernel: Kernel) -> f64 {
+pub(super) fn equal_vertices(kernel: Kernel) -> f64 {
     let picture = Picture::colorful(8, 8);
     let mut random = Random::new(11);
     let mut worst: f64 = 0.0;

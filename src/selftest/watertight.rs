@@ -3,16 +3,17 @@
 
 use super::fixtures::{first_hits, sine, white_scene, worse};
 use super::shapes::Polyhedron;
-use crate::accel::{Bvh, Kernel, SAME_DISTANCE, Traversal};
+use crate::accel::{Bvh, SAME_DISTANCE, Traversal};
 use crate::geometry::Transform;
 use crate::material::Only;
 use crate::math::Ray;
 use crate::sampling::Random;
+use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Rays through a corner that 2 to 64 triangles share, through the edges between them, and through the
-/// poles of a globe. At least one triangle is there, as far away as the corner is, and no matter which
+/// Rays through a vertex that 2 to 64 triangles share, through the edges between them, and through the
+/// poles of a globe. At least one triangle is there, as far away as the vertex is, and no matter which
 /// of them comes first.
 pub(super) fn vertices_and_edges(kernel: Kernel) -> f64 {
     let mut random = Random::new(1);
@@ -46,7 +47,7 @@ pub(super) fn vertices_and_edges(kernel: Kernel) -> f64 {
         };
         let fan: Vec<_> = (0..valence).map(|i| [apex, rim(i), rim(i + 1)]).collect();
         let (bvh, reversed) = both_orders(&fan);
-        // These and their slopes are exact in single precision: they meet the corner itself, be it on
+        // These and their slopes are exact in single precision: they meet the vertex itself, be it on
         // the boundary.
         for i in 0..49 {
             let (x, y) = ((i % 7) as f32 - 3.0, (i / 7) as f32 - 3.0);
@@ -73,8 +74,8 @@ pub(super) fn vertices_and_edges(kernel: Kernel) -> f64 {
     wrong as f64
 }
 
-/// Rays from inside an icosphere to its corners and to points of its edges (Woop, Benthin and Wald
-/// 2013): none gets out. The corners are what single precision makes of them, at `scale` and shifted.
+/// Rays from inside an icosphere to its vertices and to points of its edges (Woop, Benthin and Wald
+/// 2013): none gets out. The vertices are what single precision makes of them, at `scale` and shifted.
 pub(super) fn closed_mesh(kernel: Kernel) -> f64 {
     let mesh = Polyhedron::icosphere(2);
     let mut escapes = 0;
@@ -135,7 +136,7 @@ pub(super) fn closed_mesh_anywhere(kernel: Kernel) -> f64 {
     escapes as f64
 }
 
-/// 20,000 rays from around the middle to corners and edges of triangles; these are at parameter 1.
+/// 20,000 rays from around the middle to vertices and edges of triangles; these are at parameter 1.
 fn rays_to_edges(
     triangles: &[[Vec3; 3]],
     place: impl Fn(DVec3) -> Vec3,
@@ -151,7 +152,7 @@ fn rays_to_edges(
 }
 
 /// A sphere's mesh scaled by very different factors, mirrored or not: still closed. The exact normal of
-/// a corner v of the sphere is v / scale; that of a triangle follows from its exact corners.
+/// a vertex v of the sphere is v / scale; that of a triangle follows from its exact vertices.
 pub(super) fn scaled_unevenly(kernel: Kernel) -> f64 {
     let mesh = Polyhedron::icosphere(2);
     let mut worst: f64 = 0.0;
@@ -167,9 +168,9 @@ pub(super) fn scaled_unevenly(kernel: Kernel) -> f64 {
             let transform = Transform::new(scale, rotation, translation);
             let placed = mesh.moved(|p| transform.point(p));
             let scene = white_scene(&[&placed], kernel);
-            for &corner in &mesh.corners {
-                let exact = transform.rotation() * (corner / scale);
-                worst = worse(worst, sine(transform.normal(corner).as_vec3(), exact));
+            for &vertex in &mesh.vertices {
+                let exact = transform.rotation() * (vertex / scale);
+                worst = worse(worst, sine(transform.normal(vertex).as_vec3(), exact));
             }
             let relative = placed.moved(|p| p - scene.origin);
             let rays: Vec<Ray> = rays_to_edges(&relative.triangles(), |p| {
@@ -178,8 +179,8 @@ pub(super) fn scaled_unevenly(kernel: Kernel) -> f64 {
             .collect();
             for (ray, hit) in rays.iter().zip(first_hits(&scene, &rays)) {
                 let Some(hit) = hit else { return 1.0 };
-                let corners = mesh.faces[hit.primitive as usize];
-                let [a, b, c] = corners.map(|corner| relative.corners[corner as usize]);
+                let vertices = mesh.faces[hit.primitive as usize];
+                let [a, b, c] = vertices.map(|vertex| relative.vertices[vertex as usize]);
                 let normal = scene.surface::<Only<0>>(ray, &hit).point.geometric_normal;
                 worst = worse(worst, sine(normal, (b - a).cross(c - a)));
                 let is_on_the_viewers_side = normal.dot(ray.direction) < 0.0;

@@ -9,7 +9,7 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::accel::{PACKET, Points, Sight, Traversal};
+use flythrough::accel::Traversal;
 use flythrough::camera::Camera;
 use flythrough::camera_formats::load_camera_path;
 use flythrough::input::{InputFiles, Settings, load_scene};
@@ -17,7 +17,8 @@ use flythrough::material::Only;
 use flythrough::math::Ray;
 use flythrough::render::{RenderSettings, Renderer};
 use flythrough::sampling::Sequence;
-use flythrough::scene::Scene;
+use flythrough::scene::{Scene, ShadowPacket, SurfacePointPacket};
+use flythrough::simd::PACKET_WIDTH;
 use glam::DVec2;
 use rayon::prelude::*;
 use std::path::Path;
@@ -180,21 +181,21 @@ fn by_threads(name: &str, frame: &Frame) {
 fn beside_its_rays(name: &str, frame: &Frame) {
     let (whole, rays) = frame.render();
     let tiles = tiles(frame);
-    let of_packet = |(rays, sights): &(Vec<Ray>, Vec<Sight>)| {
-        let shadow_rays: u32 = sights.iter().map(|s| s.facing().count_ones()).sum();
+    let of_packet = |(rays, shadow_packets): &(Vec<Ray>, Vec<ShadowPacket>)| {
+        let shadow_rays: u32 = shadow_packets.iter().map(|s| s.facing().count_ones()).sum();
         rays.len() + shadow_rays as usize
     };
     let count: usize = tiles.iter().flatten().map(of_packet).sum();
     let seconds = median(|| {
         tiles.par_iter().for_each(|packets| {
             let mut traversal = Traversal::default();
-            for (rays, sights) in packets {
-                let mut hits = [None; PACKET];
+            for (rays, shadow_packets) in packets {
+                let mut hits = [None; PACKET_WIDTH];
                 let scene = &frame.scene;
-                scene.closest_of_packet(rays, &mut hits, &mut traversal);
+                scene.closest_coherent(rays, &mut hits, &mut traversal);
                 std::hint::black_box(hits);
-                for sight in sights {
-                    std::hint::black_box(scene.occluded_of_sight(sight, &mut traversal));
+                for shadow_packet in shadow_packets {
+                    std::hint::black_box(scene.occluded_coherent(shadow_packet, &mut traversal));
                 }
             }
         });
@@ -213,7 +214,7 @@ fn beside_its_rays(name: &str, frame: &Frame) {
 }
 
 /// For tiles of 8 x 8 pixels: packets of camera rays, and the shadow rays to every light.
-fn tiles(frame: &Frame) -> Vec<Vec<(Vec<Ray>, Vec<Sight>)>> {
+fn tiles(frame: &Frame) -> Vec<Vec<(Vec<Ray>, Vec<ShadowPacket>)>> {
     const TILE: u32 = 8;
     let (width, height) = (frame.settings.width, frame.settings.height);
     let size = DVec2::new(width.into(), height.into());
@@ -225,8 +226,8 @@ fn tiles(frame: &Frame) -> Vec<Vec<(Vec<Ray>, Vec<Sight>)>> {
         let mut traversal = Traversal::default();
         // Two by two pixels of four samples each.
         for block in 0..TILE * TILE / 4 {
-            let mut rays = Vec::with_capacity(PACKET);
-            for i in 0..PACKET as u32 {
+            let mut rays = Vec::with_capacity(PACKET_WIDTH);
+            for i in 0..PACKET_WIDTH as u32 {
                 let x = corner.0 + block % (TILE / 2) * 2 + i / 4 % 2;
                 let y = corner.1 + block / (TILE / 2) * 2 + i / 8;
                 let sequence = Sequence::new(frame.settings.seed, frame.number, x, y);
@@ -234,19 +235,20 @@ fn tiles(frame: &Frame) -> Vec<Vec<(Vec<Ray>, Vec<Sight>)>> {
                 let film = DVec2::new((x as f32 + u).into(), (y as f32 + v).into());
                 rays.push(camera_rays.through(film));
             }
-            let mut hits = [None; PACKET];
+            let mut hits = [None; PACKET_WIDTH];
             frame
                 .scene
-                .closest_of_packet(&rays, &mut hits, &mut traversal);
-            let mut points = Points::default();
+                .closest_coherent(&rays, &mut hits, &mut traversal);
+            let mut points = SurfacePointPacket::default();
             for (ray, hit) in rays.iter().zip(&hits) {
                 if let Some(hit) = hit {
                     points.push(&frame.scene.surface::<Only<0>>(ray, hit).point);
                 }
             }
             let lights = frame.scene.lights.iter();
-            let sights = lights.map(|light| frame.scene.look(&points, light.position));
-            packets.push((rays, sights.collect()));
+            let shadow_packets =
+                lights.map(|light| frame.scene.shadow_rays_to(&points, light.position));
+            packets.push((rays, shadow_packets.collect()));
         }
         packets
     };

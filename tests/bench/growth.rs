@@ -9,9 +9,10 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::accel::{Bvh, Kernel, Traversal};
+use flythrough::accel::{Bvh, Traversal};
 use flythrough::math::Ray;
 use flythrough::sampling::Sequence;
+use flythrough::simd::Kernel;
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 use std::time::Instant;

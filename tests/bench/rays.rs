@@ -16,8 +16,9 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::accel::{Bvh, Kernel, PACKET, Traversal};
+use flythrough::accel::{Bvh, RayPacket, Traversal};
 use flythrough::math::Ray;
+use flythrough::simd::{Kernel, PACKET_WIDTH};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -144,14 +145,13 @@ fn one_by_one(bvh: &Bvh, set: &str, rays: &[Ray], traversal: &mut Traversal) -> 
 
 fn in_packets(bvh: &Bvh, set: &str, rays: &[Ray], traversal: &mut Traversal) -> f64 {
     let mut sum = 0.0;
-    for rays in rays.chunks(PACKET) {
+    for rays in rays.chunks(PACKET_WIDTH) {
         if is_shadow(set) {
-            let mut occluded = [false; PACKET];
-            bvh.occluded_of_packet(rays, &mut occluded[..rays.len()], traversal);
-            sum += occluded.iter().filter(|o| **o).count() as f64;
+            let occluded = bvh.occluded_coherent(&RayPacket::new(rays), traversal);
+            sum += f64::from(occluded.count_ones());
         } else {
-            let mut hits = [None; PACKET];
-            bvh.closest_of_packet(rays, &mut hits[..rays.len()], traversal);
+            let mut hits = [None; PACKET_WIDTH];
+            bvh.closest_coherent(rays, &mut hits[..rays.len()], traversal);
             for hit in hits.iter().flatten() {
                 sum += hit.t;
             }

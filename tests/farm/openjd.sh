@@ -3,6 +3,10 @@
 # missing, and compares the frames with those of a local run.
 #
 # Needs `openjd` (PyPI: openjd-cli) and ffmpeg.
+#
+#   tests/farm/openjd.sh [LOCAL]
+#
+# The local run's frames are kept in the folder LOCAL, and taken from there if they are there.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -12,9 +16,10 @@ dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT
 export PATH=$PWD/target/release:$PATH
 input=(scenes/test2.ron paths/zoom.ron)
-options="--mode montecarlo --size 128x72 --samples 64"
+options="--mode montecarlo --size 128x72 --samples 32"
+local=${1:-$dir/local}
 # shellcheck disable=SC2086 # they are several
-flythrough render "${input[@]}" --out "$dir/local" $options --quiet
+flythrough render "${input[@]}" --out "$local" $options --quiet
 
 frames=$dir/frames
 run() {
@@ -34,7 +39,7 @@ missing=$(flythrough missing --quiet "$frames" --format openjd)
 run "$missing" || fail "the second run: $(tail -n 30 "$dir/log")"
 grep -q "openjd_progress: 100.0" "$dir/log" || fail "no progress was told: $(tail -n 30 "$dir/log")"
 flythrough verify --quiet "$frames"
-for frame in "$dir"/local/frame_*; do
+for frame in "$local"/frame_*; do
     cmp "$frame" "$frames/${frame##*/}"
 done
 [ -s "$dir/zoom.mp4" ] || fail "there is no video"

@@ -3,6 +3,10 @@
 # another runs out of time, picks up what is missing, and compares the frames with those of a local run.
 #
 # Needs root, and Debian's munge, slurmctld, slurmd, slurm-client and ffmpeg.
+#
+#   tests/farm/slurm.sh [LOCAL]
+#
+# The local run's frames are kept in the folder LOCAL, and taken from there if they are there.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -75,8 +79,9 @@ until_so "the cluster is idle" is_up
 
 export FLYTHROUGH=$PWD/target/release/flythrough
 input=(scenes/test2.ron paths/zoom.ron)
-options=(--mode montecarlo --size 128x72 --samples 64)
-"$FLYTHROUGH" render "${input[@]}" --out "$dir/local" "${options[@]}" --quiet
+options=(--mode montecarlo --size 128x72 --samples 32)
+local=${1:-$dir/local}
+"$FLYTHROUGH" render "${input[@]}" --out "$local" "${options[@]}" --quiet
 
 frames=$dir/frames video=$dir/zoom.mp4
 submit() {
@@ -93,7 +98,7 @@ until_so "the fourth task is rendering" is_rendering 21-27 00021
 kill -USR1 "$(ps -o ppid= -p "$(pgrep -f "render .* --frames 21-27")")"
 was_queued_again() { [ "$(scontrol show job "${array}_3" | sed -nE 's/.*Restarts=([0-9]+).*/\1/p')" = 1 ]; }
 until_so "the fourth task is queued again" was_queued_again
-is_over() { ! squeue --noheader --name=render --states=all --format=%T | grep -vE 'COMPLETED|FAILED' >/dev/null; }
+is_over() { [ "$(squeue --noheader --name=render --states=all --format=%T | grep -vcE 'COMPLETED|FAILED')" = 0 ]; }
 until_so "all tasks are over" is_over
 
 [ "$("$FLYTHROUGH" missing --quiet "$frames" --format slurm --chunk 7)" = 2 ] || fail "other tasks than the third failed"
@@ -101,7 +106,7 @@ until_so "all tasks are over" is_over
 submit
 until_so "the video is made" test -f "$video"
 "$FLYTHROUGH" verify --quiet "$frames"
-for frame in "$dir"/local/frame_*; do
+for frame in "$local"/frame_*; do
     cmp "$frame" "$frames/${frame##*/}"
 done
 grep -q interrupted "$frames/logs/render_${array}_3.log" || fail "the fourth task was not interrupted"

@@ -76,7 +76,7 @@ fn parts_of_a_sequence_that_share_a_file_are_those_of_one_run() {
     for (frames, threads) in [("0-1", "1"), ("2-3", "4")] {
         let part = ["--frames", frames, "--threads", threads];
         let said = assert_done(folder.render("left.ron", "parts", &[&cache[..], &part].concat()));
-        assert!(said.contains("light of the path read"), "{said}");
+        assert!(said.contains("irradiance cache read"), "{said}");
     }
     assert_done(folder.render("left.ron", "whole", &[]));
     for number in 0..4 {
@@ -102,12 +102,12 @@ fn another_path_adds_what_it_needs() {
     assert_done(folder.render("left.ron", "left", &cached));
     let first = fs::read(&cache).unwrap();
     let said = assert_done(folder.render("right.ron", "right", &cached));
-    assert!(said.contains("worked out"), "{said}");
+    assert!(said.contains("irradiance cache baked"), "{said}");
     let both = fs::read(&cache).unwrap();
     assert!(both.len() > first.len() && both.len() < 2 * first.len());
     // The light of both is there now, and is not touched again.
     let said = assert_done(folder.bake("right.ron", &[]));
-    assert!(said.contains("read"), "{said}");
+    assert!(said.contains("irradiance cache read"), "{said}");
     assert!(both == fs::read(&cache).unwrap());
     // Frames by the light of the one path alone are not mixed with those by that of both.
     let more = ["--gi-cache", &cache, "--frames", "1"];
@@ -159,7 +159,7 @@ fn damage_is_found() {
     }
     assert_done(folder.bake("left.ron", &["--force"]));
     assert!(kept == fs::read(&cache).unwrap());
-    // What is no file of light is never written over.
+    // What is no irradiance cache is never written over.
     for text in ["", "Dear diary"] {
         fs::write(&cache, text).unwrap();
         for more in [&[][..], &["--force"]] {

@@ -95,7 +95,7 @@ fn what_a_sphere_hides_is_not_matched() {
             assert_eq!(of, None);
             hidden += 1;
         } else if margin > 1.5 && inside {
-            assert!((of.unwrap().place + 0.5 - film).length() < 1e-3);
+            assert!((of.unwrap().position + 0.5 - film).length() < 1e-3);
             seen += 1;
         }
     }

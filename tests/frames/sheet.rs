@@ -231,7 +231,7 @@ fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 
 const COSTLY: &str =
     "settings: (mode: \"montecarlo-supersampling\", size: (640, 480), samples: 3, splits: [2, 1],
-    gi: \"path\", target_error: 0.5, bounces: 2),";
+    gi: \"cached\", target_error: 0.5, bounces: 2),";
 
 /// A project whose path sets all that a preview leaves out.
 fn costly() -> Project {

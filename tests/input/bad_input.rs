@@ -156,11 +156,11 @@ fn paths() {
                 "velocity: (0, 0, 2)",
             )
             .replace("fps: 24", "fps: 24, closed: true"),
-            "keyframes[1].velocity: is not that of keyframes[0], where a closed path goes on",
+            "keyframes[1].velocity: differs from that of keyframes[0], which it repeats in a closed path",
         ),
         (
             one("position: (0, 0, 0), rotation: (0, 0, 0), velocity: (0, 0, 1), fov: 50"),
-            "keyframes[0].velocity: is of no use",
+            "keyframes[0].velocity: has no effect",
         ),
         (
             two("interpolation: bezier, handle_out: (0, 0, 1)", ""),
@@ -176,7 +176,7 @@ fn paths() {
         (two("interpolation: cubic", ""), "p.ron:1:"),
         (
             two("", "").replace("fps: 24", "fps: 24, closed: true"),
-            "keyframes: a closed path's last key repeats its first, to say when; they differ in position",
+            "keyframes: the last key of a closed path repeats its first one at a later time; they differ in position",
         ),
         (
             two("", "").replace("fps: 24", "fps: 24, ease_in: 0.5, ease_out: 0.6"),
@@ -188,15 +188,15 @@ fn paths() {
         ),
         (
             two("interpolation: hold, ease: in", ""),
-            "keyframes[0].ease: is of no use",
+            "keyframes[0].ease: has no effect",
         ),
         (
             two("", "").replace("fps: 24", "fps: 24, closed: true, ease_in: 0.5"),
-            "keyframes: a closed path goes on at its end as at its start",
+            "keyframes: a closed path loops: give both ease_in and ease_out",
         ),
         (
             two("ease: in_out", "").replace("fps: 24", "fps: 24, speed: constant"),
-            "keyframes: key 0 eases, and the whole path is to be at one speed",
+            "keyframes: key 0 has `ease`, but `speed: constant`",
         ),
         (
             two("", "").replace("0, 0, 0), fov: 51", "0, 180, 0), fov: 51"),

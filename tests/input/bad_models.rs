@@ -88,7 +88,7 @@ fn oddities_are_said_and_do_not_stop() {
     let (status, message) = check(scene, &path(KEY), &[("m.obj", &latin1)]);
     assert_eq!(status, Some(0), "{message}");
     for expected in [
-        "m.obj: not used: 1 `f` of fewer than three corners, 1 `l`, 1 colours of `v`",
+        "m.obj: not used: 1 `f` of fewer than three vertices, 1 `l`, 1 colours of `v`",
         "m.obj: 2 triangles have no material",
         "objects[1] has a non-uniform scale; it stays a sphere, with its radius scaled by the largest factor, 3",
         "s.ron: has no faces, so it is invisible",

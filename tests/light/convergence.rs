@@ -14,10 +14,15 @@ use std::sync::LazyLock;
 
 const SIZE: [u32; 2] = [16, 12];
 
+/// Of the largest number of paths whose errors are measured.
+fn log_of_paths() -> u32 {
+    scaled(6, 7, 8)
+}
+
 /// Of the runs whose errors are measured.
 const SEEDS: Range<u32> = 0..16;
 
-/// A Cornell box with a mirror, and with spots that a quarter of the rays are aimed at.
+/// A Cornell box with a mirror, and with a near light that guides a quarter of the diffuse rays.
 struct Room {
     scene: Scene,
     camera: Camera,
@@ -29,7 +34,12 @@ static ROOM: LazyLock<Room> = LazyLock::new(|| {
     let scene = shipped_scene("test3.ron");
     assert!(!LightSampler::new(&scene).is_empty());
     let camera = shipped_path("test3.ron").camera(0);
-    let reference = runs(&scene, &camera, &centers(4, &[2048]), 1_000_000..1_000_032);
+    let reference = runs(
+        &scene,
+        &camera,
+        &centers(4, &[8 << log_of_paths()]),
+        1_000_000..1_000_032,
+    );
     Room {
         scene,
         camera,
@@ -67,7 +77,8 @@ fn estimates_are_unbiased() {
         camera,
         reference,
     } = &*ROOM;
-    for splits in [&[16][..], &[16, 2]] {
+    let paths = 1 << (log_of_paths() - 4);
+    for splits in [&[paths][..], &[paths, 2]] {
         let agreement = |bounces| {
             let estimates = estimates(&runs(scene, camera, &centers(bounces, splits), 0..32));
             // The reference adds next to nothing to the errors.
@@ -93,9 +104,12 @@ fn many_bounces() {
         reference,
     } = &*ROOM;
     let reference = means(reference);
-    let samples = runs(scene, camera, &centers(4, &[1]), 0..16 * 256);
+    let most = 1 << log_of_paths();
+    let samples = runs(scene, camera, &centers(4, &[1]), 0..16 * most);
     let plain = |log: u32| {
-        let runs = samples.chunks_exact(256).map(|run| &run[..1 << log]);
+        let runs = samples
+            .chunks_exact(most as usize)
+            .map(|run| &run[..1 << log]);
         let errors = runs.map(|run| relative_square_error(&means(&estimates(run)), &reference));
         errors.collect()
     };
@@ -103,8 +117,8 @@ fn many_bounces() {
         let runs = runs(scene, camera, &centers(4, &[1 << log]), SEEDS);
         errors(&runs, &reference)
     };
-    let plain: Vec<Vec<f64>> = (0..=8).map(plain).collect();
-    let sobol: Vec<Vec<f64>> = (0..=8).map(sobol).collect();
+    let plain: Vec<Vec<f64>> = (0..=log_of_paths()).map(plain).collect();
+    let sobol: Vec<Vec<f64>> = (0..=log_of_paths()).map(sobol).collect();
     let (of_plain, of_sobol) = (slope(&plain), slope(&sobol));
     assert!(of_plain.error < 0.03);
     assert!(
@@ -112,7 +126,8 @@ fn many_bounces() {
         "{of_plain:?}"
     );
     assert!(of_sobol.mean + 4.0 * of_sobol.error < -1.0, "{of_sobol:?}");
-    assert!(mean(&sobol[8]) < mean(&plain[8]));
+    let [sobol, plain] = [sobol, plain].map(|errors| mean(errors.last().unwrap()));
+    assert!(sobol < plain);
 }
 
 /// Where an edge crosses a pixel, only the strata that it crosses are uncertain: of n some n^(1/2), each
@@ -124,9 +139,10 @@ fn edges() {
         let settings = spread(monte_carlo(0, &[]), SIZE, samples);
         runs(scene, camera, &settings, seeds)
     };
-    let reference = means(&estimates(&of_samples(4096, 1000..1032)));
+    let last = scaled(9, 10, 11);
+    let reference = means(&estimates(&of_samples(2 << last, 1000..1032)));
     let error = |log: u32| errors(&of_samples(1 << log, SEEDS), &reference);
-    let slope = slope(&(6..=11).map(error).collect::<Vec<_>>());
+    let slope = slope(&(6..=last).map(error).collect::<Vec<_>>());
     assert!((-1.6..-1.4).contains(&slope.mean), "{slope:?}");
 }
 
@@ -152,6 +168,6 @@ fn smooth_light() {
         let runs = runs(&scene, &camera, &centers(1, &[1 << log]), SEEDS);
         errors(&runs, &reference)
     };
-    let slope = slope(&(7..=12).map(error).collect::<Vec<_>>());
+    let slope = slope(&(7..=scaled(10, 11, 12)).map(error).collect::<Vec<_>>());
     assert!((-3.1..-2.5).contains(&slope.mean), "{slope:?}");
 }

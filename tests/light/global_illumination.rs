@@ -7,29 +7,6 @@ use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// pbrt-v4: inside a unit sphere of albedo 1/2 a light of intensity pi gives 1/2 directly and
-/// 1/2^(k+1) by its k-th bounce. So do four lights of a quarter each.
-#[test]
-fn light_inside_a_sphere_bounce_by_bounce() {
-    let ball = "sphere(radius: 1, material: \"grey\"),";
-    for lights in [
-        light("(0, 0, 0)", PI),
-        light("(0, 0, 0)", PI / 4.0).repeat(4),
-    ] {
-        let scene = scene(&format!(
-            "Scene({GREY} lights: [{lights}], objects: [{ball}])"
-        ));
-        let target = DVec3::new(0.3, 0.2, -1.0);
-        let direct = look(&scene, ray_tracing(), DVec3::ZERO, target);
-        assert_close(direct, Vec3::splat(0.5), 1e-6);
-        for bounces in [0, 1, 2, 3, 4, 20] {
-            let expected = 1.0 - 0.5_f32.powi(bounces as i32 + 1);
-            let seen = look(&scene, monte_carlo(bounces, &[4, 2]), DVec3::ZERO, target);
-            assert_close(seen, Vec3::splat(expected), 5e-6);
-        }
-    }
-}
-
 /// Sixteen estimates of what a camera sees in the very middle of its picture: pixels that see the same.
 fn looks(scene: &Scene, [eye, target]: [DVec3; 2], bounces: u32, splits: u32) -> Vec<Vec<f64>> {
     let settings = settings(monte_carlo(bounces, &[splits]), 4, 4);
@@ -167,7 +144,7 @@ fn albedo(diffuse: f64, reflective: f64) -> f64 {
 }
 
 /// In a closed room of one material under ambient light alone, all paths end after the same bounces, each
-/// of which leaves the albedo's share. A convex body under an even sky shows it after one.
+/// of which leaves the albedo's share.
 #[test]
 fn furnaces() {
     for diffuse in [0.0, 0.2, 0.7, 1.0] {
@@ -176,9 +153,6 @@ fn furnaces() {
                 "materials: {{\"m\": (diffuse: ({diffuse}, {diffuse}, {diffuse}), reflective: ({reflective}, {reflective}, {reflective}))}},"
             );
             let room = closed_room(&material);
-            let body = scene(&format!(
-                "Scene({material} background: (1, 1, 1), objects: [sphere(radius: 1, material: \"m\")])"
-            ));
             let albedo = albedo(diffuse, reflective) as f32;
             for bounces in 0..=6 {
                 let room = render(
@@ -190,10 +164,6 @@ fn furnaces() {
                     let expected = Vec3::splat(0.3 * albedo.powi(bounces as i32 + 1));
                     assert_close(pixel, expected, 1e-6);
                 }
-            }
-            let view = camera(DVec3::Z * 2.0, DVec3::ZERO, 36.0);
-            for pixel in render(&body, &view, &settings(monte_carlo(1, &[3]), 8, 6)) {
-                assert_close(pixel, Vec3::splat(albedo), 1e-6);
             }
         }
     }

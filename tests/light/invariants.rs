@@ -49,7 +49,7 @@ fn lit_by_first_second_both(lowered: f32) -> ([Scene; 3], Camera) {
     (scenes, room().1)
 }
 
-/// Far from walls lights throw no spots, so that all paths are the same with one light or two.
+/// Lights far from walls guide no paths, so that all paths are the same with one light or two.
 #[test]
 fn light_of_two_is_the_sum_path_by_path() {
     let (scenes, camera) = lit_by_first_second_both(0.5);
@@ -61,7 +61,7 @@ fn light_of_two_is_the_sum_path_by_path() {
     }
 }
 
-/// Where lights throw spots, rays are aimed at those of the lights that are there.
+/// Near lights guide paths: a path is connected to a point that is lit by a light of the scene at hand.
 #[test]
 fn light_of_two_is_the_sum_on_average() {
     let (scenes, camera) = lit_by_first_second_both(0.0);
@@ -137,7 +137,7 @@ fn no_light_comes_from_nowhere() {
 
 /// Helmholtz: among matte surfaces the mean radiance that arrives at one point from all sides when a
 /// light is at another is the same if the two change places, bounce by bounce. Both are so close to a wall
-/// that lights there throw spots.
+/// that a light there guides paths.
 #[test]
 fn light_and_eye_may_change_places() {
     let text = std::fs::read_to_string(root().join("scenes/test3.ron")).unwrap();

@@ -15,6 +15,20 @@ use glam::{DVec3, Vec3};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+/// A number of samples, seeds, frames or tries for each tier of scripts/test.sh.
+///
+/// `FLYTHROUGH_TEST_TIER` names the tier; without it, it is the default.
+pub(crate) fn scaled<T>(quick: T, default: T, thorough: T) -> T {
+    match std::env::var("FLYTHROUGH_TEST_TIER").as_deref() {
+        Ok("quick") => quick,
+        Ok("default") | Err(_) => default,
+        Ok("thorough") => thorough,
+        Ok(other) => {
+            panic!("FLYTHROUGH_TEST_TIER is {other:?}: neither quick, default nor thorough")
+        }
+    }
+}
+
 pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }

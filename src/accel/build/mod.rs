@@ -1,28 +1,29 @@
-//! Builds the tree: top down, each node split in two again and again until it has eight children,
-//! the split that costs rays least first.
+//! Builds the tree top down by the surface area heuristic over bins (Wald 2007, "On fast Construction of SAH-based
+//! Bounding Volume Hierarchies"): the child with the largest surface is split in two until a node has eight.
 
 mod reference;
 mod split;
 
 use super::node::{Child, Node};
 use super::triangle_block::TriangleBlock;
-use super::{Bvh, Kernel, MAX_DEPTH, WIDTH};
+use super::{Bvh, MAX_DEPTH, WIDTH};
 use crate::geometry::Sphere;
 use crate::math::Aabb;
+use crate::simd::Kernel;
 use glam::Vec3;
 use rayon::prelude::*;
 use reference::{Extent, Reference};
 use split::split;
 
-/// From this depth on nodes are halved by number, which bounds the depth of any tree: there are
+/// From this depth on ranges are split at the median index, which bounds the depth of any tree: there are
 /// fewer than 2^31 references to be halved.
 const MAX_SAH_DEPTH: usize = MAX_DEPTH - 31;
 
 /// The children of a node with more references are built in parallel.
-const PARALLEL_FROM: usize = 1 << 16;
+const MIN_PARALLEL_REFERENCES: usize = 1 << 16;
 
 /// Up to so many blocks and so many spheres are tested one after the other, without a tree.
-const TINY: usize = 2;
+const MAX_WITHOUT_TREE: usize = 2;
 
 pub(in super::super) fn build(
     triangles: &[[Vec3; 3]],
@@ -30,7 +31,7 @@ pub(in super::super) fn build(
     kernel: Kernel,
 ) -> Bvh {
     let first_sphere = triangles.len() as u32;
-    let boxes = triangles.par_iter().map(|corners| Aabb::of(*corners));
+    let boxes = triangles.par_iter().map(|vertices| Aabb::of(*vertices));
     let mut references: Vec<Reference> = boxes
         .chain(spheres.par_iter().map(Sphere::bounds))
         .zip(0..first_sphere + spheres.len() as u32)
@@ -38,19 +39,19 @@ pub(in super::super) fn build(
         .collect();
     let extent = Extent::of(&references);
     let bounds = extent.bounds();
-    let mut tree = Tree::with_room(references.len());
-    let source = Source {
+    let mut tree = Tree::with_capacity(references.len());
+    let builder = Builder {
         triangles,
         first_sphere,
     };
-    let whole = Range {
+    let root = Range {
         begin: 0,
         end: references.len(),
         depth: 0,
         extent,
     };
-    source.add_node(&mut references, whole, &mut tree);
-    if tree.blocks.len() <= TINY && spheres.len() <= TINY {
+    builder.add_node(&mut references, root, &mut tree);
+    if tree.blocks.len() <= MAX_WITHOUT_TREE && spheres.len() <= MAX_WITHOUT_TREE {
         tree.nodes.clear();
     }
     let leaf = match tree.blocks.is_empty() {
@@ -58,7 +59,7 @@ pub(in super::super) fn build(
         false => Child::Triangles(0),
     };
     for node in &mut tree.nodes {
-        node.fill(leaf);
+        node.fill_empty(leaf);
     }
     Bvh {
         nodes: tree.nodes,
@@ -71,7 +72,7 @@ pub(in super::super) fn build(
     }
 }
 
-/// Some references of a slice, and what encloses them.
+/// A range of references in a slice, with its bounds.
 #[derive(Clone, Copy)]
 struct Range {
     begin: usize,
@@ -86,39 +87,39 @@ struct Tree {
 }
 
 impl Tree {
-    /// Blocks are mostly more than half full and nodes more than that: room for so much saves moving
-    /// what grows, and what is not used is not touched.
-    fn with_room(references: usize) -> Tree {
+    /// Blocks are mostly more than half full and nodes more than that, so vectors of this capacity rarely grow;
+    /// what is not used is not touched.
+    fn with_capacity(references: usize) -> Tree {
         Tree {
             nodes: Vec::with_capacity(references / 16),
             blocks: Vec::with_capacity(references / 4),
         }
     }
 
-    /// Adds what was built apart.
+    /// Appends a subtree that was built in parallel.
     fn append(&mut self, other: Tree) {
         let (nodes, blocks) = (self.nodes.len() as u32, self.blocks.len() as u32);
         self.blocks.extend(other.blocks);
         self.nodes.extend(other.nodes.into_iter().map(|mut node| {
-            node.shift(nodes, blocks);
+            node.offset_children(nodes, blocks);
             node
         }));
     }
 }
 
-struct Source<'a> {
+struct Builder<'a> {
     triangles: &'a [[Vec3; 3]],
     first_sphere: u32,
 }
 
-impl Source<'_> {
+impl Builder<'_> {
     /// Adds a node over `range` of `references` and all below it; returns the node's index.
     fn add_node(&self, references: &mut [Reference], range: Range, tree: &mut Tree) -> u32 {
         let index = tree.nodes.len();
         tree.nodes.push(Node::new(&[]));
         let ranges = self.children(references, range);
         let mut children = Vec::with_capacity(WIDTH);
-        if range.end - range.begin > PARALLEL_FROM {
+        if range.end - range.begin > MIN_PARALLEL_REFERENCES {
             let mut rest = references;
             let mut parts = Vec::with_capacity(WIDTH);
             for child in ranges {
@@ -126,23 +127,23 @@ impl Source<'_> {
                 rest = others;
                 parts.push((part, child));
             }
-            let built: Vec<_> = parts
+            let subtrees: Vec<_> = parts
                 .into_par_iter()
                 .map(|(part, child)| {
-                    let mut apart = Tree::with_room(part.len());
+                    let mut subtree = Tree::with_capacity(part.len());
                     let own = Range {
                         begin: 0,
                         end: part.len(),
                         ..child
                     };
-                    (self.add_child(part, own, &mut apart), apart)
+                    (self.add_child(part, own, &mut subtree), subtree)
                 })
                 .collect();
-            for (mut child, apart) in built {
+            for (mut child, subtree) in subtrees {
                 let (nodes, blocks) = (tree.nodes.len() as u32, tree.blocks.len() as u32);
-                child.1 = child.1.shifted(nodes, blocks);
+                child.1 = child.1.with_offset(nodes, blocks);
                 children.push(child);
-                tree.append(apart);
+                tree.append(subtree);
             }
         } else {
             for child in ranges {
@@ -177,7 +178,8 @@ impl Source<'_> {
         (range.extent.bounds(), child)
     }
 
-    /// Up to eight parts of a range, in order: the largest part is split as long as there is room.
+    /// Up to eight parts of a range, in order: the part with the largest surface is split until there are
+    /// eight.
     fn children(&self, references: &mut [Reference], range: Range) -> Vec<Range> {
         let mut parts = Vec::with_capacity(WIDTH);
         if range.begin < range.end {
@@ -193,9 +195,9 @@ impl Source<'_> {
             let Some(i) = largest else { break };
             let part = parts[i];
             let own = &mut references[part.begin..part.end];
-            let halves = split(own, part.extent, part.depth < MAX_SAH_DEPTH);
-            let middle = part.begin + halves.count;
-            let [left, right] = halves.extents;
+            let partition = split(own, part.extent, part.depth < MAX_SAH_DEPTH);
+            let middle = part.begin + partition.count;
+            let [left, right] = partition.extents;
             parts[i] = Range {
                 end: middle,
                 depth: part.depth + 1,
@@ -213,7 +215,7 @@ impl Source<'_> {
         parts
     }
 
-    /// One sphere, or one to eight triangles.
+    /// Whether references make a leaf: one sphere, or one to eight triangles.
     fn is_leaf(&self, references: &[Reference]) -> bool {
         references.len() == 1
             || (references.len() <= WIDTH && references.iter().all(|r| r.id() < self.first_sphere))

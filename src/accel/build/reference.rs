@@ -1,10 +1,12 @@
+//! References to primitives and their bounds, four lanes wide.
+
 use crate::math::Aabb;
 use glam::{Vec3, Vec4};
 
-/// A box around a primitive, and the primitive's number.
+/// The box around a primitive, and the primitive's number.
 ///
-/// Four lanes so that boxes are joined by vector instructions; the fourth of `min` holds the number
-/// and that of `max` nothing.
+/// Four lanes, so that unions of boxes are vector instructions; the fourth of `min` holds the number, that of
+/// `max` is unused.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reference {
     pub(super) min: Vec4,
@@ -30,7 +32,7 @@ impl Reference {
     }
 }
 
-/// The box around some references, and the box around twice their centres.
+/// The box around references, and the box around twice their centres.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     pub(super) min: Vec4,

@@ -1,3 +1,5 @@
+//! Splits a range of references by the binned surface area heuristic.
+
 use super::super::WIDTH;
 use super::reference::{Extent, Reference, half_area};
 use glam::Vec4;
@@ -5,29 +7,28 @@ use glam::Vec4;
 /// The most bins along each axis.
 const MAX_BINS: usize = 32;
 
-/// How references were parted.
-pub(super) struct Halves {
-    /// How many come first.
+/// A range of references, partitioned in two.
+pub(super) struct Partition {
+    /// The number of references of the first part.
     pub(super) count: usize,
     pub(super) extents: [Extent; 2],
 }
 
-/// Parts two or more references in two by the surface area heuristic over bins (Wald 2007, "On fast
-/// Construction of SAH-based Bounding Volume Hierarchies"), or in the middle where all centres
-/// coincide or `by_area` is false.
-pub(super) fn split(references: &mut [Reference], extent: Extent, by_area: bool) -> Halves {
+/// Partitions two or more references by the surface area heuristic, or at the median index where all centres
+/// coincide or `by_sah` is false.
+pub(super) fn split(references: &mut [Reference], extent: Extent, by_sah: bool) -> Partition {
     // Few references need few bins: sweeping over them would cost more than sorting into them.
     let plane = match references.len() {
-        _ if !by_area => None,
+        _ if !by_sah => None,
         0..64 => best_plane::<8>(references, &extent),
         _ => best_plane::<MAX_BINS>(references, &extent),
     };
     if let Some(plane) = plane {
-        return part(references, plane);
+        return partition(references, plane);
     }
     let count = references.len() / 2;
     let (left, right) = references.split_at(count);
-    Halves {
+    Partition {
         count,
         extents: [Extent::of(left), Extent::of(right)],
     }
@@ -53,11 +54,11 @@ impl Binning {
         }
     }
 
-    /// The nearest of equally spaced bins along each axis.
+    /// The bin along each axis.
     #[inline(always)]
     fn bins(&self, reference: &Reference) -> [usize; 3] {
-        // Beside a number so large that its last bit is worth one, the lower bits are the integer:
-        // quicker than a conversion that checks its range.
+        // Added to a number whose last bit is worth one, a float leaves its integer in the lower bits:
+        // faster than a conversion that checks its range.
         const ROUND: f32 = (1 << 23) as f32;
         let at = (reference.center() - self.min) * self.scale + Vec4::splat(ROUND);
         let bin = |x: f32| x.to_bits() as usize % MAX_BINS;
@@ -94,7 +95,8 @@ impl Bin {
         self.count += count;
     }
 
-    /// Area times the number of blocks: eight triangles are tested for the price of one.
+    /// The cost of the surface area heuristic: area times the number of blocks, as eight triangles are tested
+    /// at once.
     fn cost(&self) -> f32 {
         if self.count == 0 {
             return 0.0;
@@ -103,8 +105,7 @@ impl Bin {
     }
 }
 
-/// The plane between bins where the expected cost of a ray is least; none if all centres fall into
-/// one bin along every axis.
+/// The plane between bins of the least cost; none if all centres fall into one bin along every axis.
 fn best_plane<const BINS: usize>(references: &[Reference], extent: &Extent) -> Option<Plane> {
     let binning = Binning::new(extent, BINS);
     let mut bins = [[Bin::EMPTY; BINS]; 3];
@@ -139,7 +140,7 @@ fn best_plane<const BINS: usize>(references: &[Reference], extent: &Extent) -> O
 }
 
 /// Moves the references left of the plane to the front.
-fn part(references: &mut [Reference], plane: Plane) -> Halves {
+fn partition(references: &mut [Reference], plane: Plane) -> Partition {
     let is_left = |r: &Reference| plane.binning.bins(r)[plane.axis] < plane.bin;
     let mut extents = [Extent::EMPTY; 2];
     let (mut left, mut right) = (0, references.len());
@@ -154,7 +155,7 @@ fn part(references: &mut [Reference], plane: Plane) -> Halves {
             references.swap(left, right);
         }
     }
-    Halves {
+    Partition {
         count: left,
         extents,
     }

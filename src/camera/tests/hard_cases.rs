@@ -1,4 +1,4 @@
-//! What is hard to have a camera for, and what has none.
+//! Extreme keys, and keys that are refused.
 
 use super::*;
 

@@ -4,7 +4,7 @@ use super::*;
 
 #[test]
 fn circles_and_helices_of_many_keys() {
-    // The distance to the true curve, as a share of its radius.
+    // The distance to the true curve, relative to its radius.
     for (count, error) in [(8_usize, 0.03), (16, 0.008), (64, 5e-4)] {
         let point = |turn: f64| DVec3::new((TAU * turn).cos(), 0.0, (TAU * turn).sin());
         let keys: Vec<Keyframe> = (0..=count)
@@ -99,7 +99,7 @@ fn constant_speed_on_uneven_paths() {
         assert!(ratio(&steps(&by_keys)) > 5.0);
         let path = CameraPath::new(24.0, &keys, &CONSTANT).expect("keys");
         assert!(ratio(&steps(&path)) < 1.01, "{}", ratio(&steps(&path)));
-        // Chords are shorter than the way along them: of steps so short that they hardly are, it is the same.
+        // Chords are shorter than arcs; for steps this short they are equal.
         let path = CameraPath::new(2400.0, &keys, &CONSTANT).expect("keys");
         let ratio = ratio(&steps(&path));
         assert!(ratio < 1.0001, "{ratio}");

@@ -1,4 +1,4 @@
-//! What camera paths promise, on paths with known answers and on random ones.
+//! Tests of camera paths: known answers, and properties of random paths.
 
 mod hard_cases;
 mod known_paths;

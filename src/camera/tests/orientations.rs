@@ -1,4 +1,4 @@
-//! Where cameras look, and how they turn.
+//! Orientations of cameras, and how they turn.
 
 use super::*;
 

@@ -1,9 +1,8 @@
-//! What every path keeps to, on random ones.
+//! Properties of every path, tested on random ones.
 
 use super::*;
 
-/// Every key at its time, to the last bit of what it was given, whatever the shapes; nothing beyond is defined, and
-/// every frame is a camera.
+/// Every key is passed at its time, bit-equal, whatever the interpolation, and every frame has a camera.
 #[test]
 fn random_paths_pass_through_their_keys() {
     let mut random = Random::new(3);
@@ -36,8 +35,8 @@ fn random_paths_pass_through_their_keys() {
     }
 }
 
-/// To the last bit nothing is passed on from frame to frame: what comes later changes frames from the key on after
-/// which it is, and where the curve is smooth from the key before that.
+/// Frames depend on later keys only from the key before the change on, and where the curve is smooth from one key
+/// earlier; all others are bit-equal.
 #[test]
 fn frames_do_not_know_what_comes_later() {
     for (interpolation, first_changed) in
@@ -62,7 +61,7 @@ fn frames_do_not_know_what_comes_later() {
     }
 }
 
-/// The step of each frame along the line from key to key.
+/// Steps along the chord from key to key are never negative.
 #[test]
 fn no_frame_runs_backward() {
     let mut random = Random::new(5);
@@ -94,7 +93,7 @@ fn no_frame_runs_backward() {
     }
 }
 
-/// Of a smooth path, before and after each key.
+/// On smooth paths, before and after each key.
 #[test]
 fn velocities_do_not_jump_at_keys() {
     let mut random = Random::new(7);
@@ -181,8 +180,8 @@ fn velocities_do_not_jump_at_keys() {
     }
 }
 
-/// Beside a straight segment or one with given tangents a smooth one goes on as that does, but no faster than a cubic
-/// that never runs backward: three times as fast as it is all in all.
+/// A smooth segment takes over direction and speed of a neighbour with given tangents, up to three times its own mean
+/// speed, the limit of a monotone cubic.
 #[test]
 fn smooth_segments_join_given_ones() {
     let mut keys = uneven();

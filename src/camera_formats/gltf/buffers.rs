@@ -48,7 +48,7 @@ impl<'a> GltfBuffers<'a> {
             _ => 0,
         };
         if dimensions != components {
-            let message = format!("elements are not of {components} numbers");
+            let message = format!("elements do not have {components} components");
             return self.refuse(name, message);
         }
         let (Some(view), None) = (accessor.view(), accessor.sparse()) else {
@@ -62,7 +62,12 @@ impl<'a> GltfBuffers<'a> {
                 |b| (f64::from(i16::from_le_bytes([b[0], b[1]])) / 32767.0).max(-1.0)
             }
             (DataType::U16, true) => |b| f64::from(u16::from_le_bytes([b[0], b[1]])) / 65535.0,
-            _ => return self.refuse(name, "numbers are neither floats nor normalized integers"),
+            _ => {
+                return self.refuse(
+                    name,
+                    "components are neither floats nor normalized integers",
+                );
+            }
         };
         let size = accessor.data_type().size();
         let stride = view.stride().unwrap_or(size * components);
@@ -86,7 +91,7 @@ impl<'a> GltfBuffers<'a> {
         };
         match (0..count).map(element).collect() {
             Some(elements) => Ok(elements),
-            None => self.refuse(name, "has what is not a finite number"),
+            None => self.refuse(name, "contains a number that is not finite or too large"),
         }
     }
 

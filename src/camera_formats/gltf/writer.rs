@@ -1,6 +1,6 @@
 //! Writes an animated camera as a glTF file.
 
-use super::super::ExportError;
+use super::super::export_error::ExportError;
 use crate::camera::FrameCameras;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;

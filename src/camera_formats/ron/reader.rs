@@ -153,7 +153,8 @@ fn segments(
         let arrives = |kind| i > 0 && interpolation(i - 1) == kind;
         use InterpolationFile::{Bezier, Hermite};
         if leaves(InterpolationFile::Hold) && key.ease.is_some() {
-            let message = "is of no use: `interpolation: hold` stays where it is";
+            let message =
+                "has no effect: with `interpolation: hold` the camera does not move; remove it";
             return check.refuse(&name("ease"), message);
         }
         let is_passed = leaves(Hermite) || arrives(Hermite);
@@ -163,7 +164,8 @@ fn segments(
             ("handle_in", key.handle_in, arrives(Bezier), "bezier"),
         ] {
             if given.is_some() && !is_used {
-                let message = format!("is of no use: no `interpolation: {user}` needs it there");
+                let message =
+                    format!("has no effect: only `interpolation: {user}` uses it; remove it");
                 return check.refuse(&name(field), message);
             }
             if is_used && given.is_none() {
@@ -174,7 +176,7 @@ fn segments(
     }
     let [first, end] = [files.first(), files.last()].map(|key| key?.velocity);
     if parsed.closed && first.is_some() && end.is_some() && first != end {
-        let message = "is not that of keyframes[0], where a closed path goes on";
+        let message = "differs from that of keyframes[0], which it repeats in a closed path";
         return check.refuse(&format!("keyframes[{last}].velocity"), message);
     }
     for i in 0..last {

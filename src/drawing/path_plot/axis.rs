@@ -1,9 +1,11 @@
+//! Numbers at axes and of keys.
+
 /// The least of 1, 2, 5, 10, 20, 50 and so on that is not less.
 pub(super) fn round_step(at_least: f64) -> u32 {
     let mut ten = 1;
     loop {
         for step in [ten, 2 * ten, 5 * ten] {
-            // The last is a thousand million frames.
+            // The greatest step is 10^9.
             if f64::from(step) >= at_least || step >= 1_000_000_000 {
                 return step;
             }
@@ -12,9 +14,9 @@ pub(super) fn round_step(at_least: f64) -> u32 {
     }
 }
 
-/// A number at an axis that spans so much, short, but not that of another mark as long as seven digits tell.
+/// A short label of a number at an axis of length `span`; distinct for distinct marks up to seven digits.
 pub(super) fn label(value: f64, span: f64) -> String {
-    // There is no room for more digits.
+    // More digits do not fit.
     if value.abs() >= 1e7 {
         return format!("{value:.3e}");
     }
@@ -30,7 +32,7 @@ pub(super) fn label(value: f64, span: f64) -> String {
     }
 }
 
-/// Rising numbers as `0, 3–5`; if that is long, the first and the last as `0 … 9`.
+/// Rising numbers as `0, 3–5`; beyond three runs the first and the last as `0 … 9`.
 pub(super) fn ranges(numbers: &[usize]) -> String {
     let runs = numbers.chunk_by(|a, b| a + 1 == *b);
     let runs = runs.map(|run| match *run {

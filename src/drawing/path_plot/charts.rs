@@ -1,9 +1,11 @@
+//! Charts of speed, turn rate and field of view over time.
+
+use super::area::{Area, Drawn};
 use super::axis::label;
 use super::layout::{Cell, px};
 use super::motion::Motion;
 use super::overlay::{draw_key, key_size};
 use super::panel::part;
-use super::{Area, Drawn};
 use crate::drawing::chart::{COLORS, FONT};
 use plotters::prelude::*;
 use std::ops::Range;
@@ -15,16 +17,16 @@ const LEFT: u32 = 62;
 const RIGHT: u32 = 34;
 const BELOW: u32 = 42;
 
-/// Of more points than this those are left out that others hide.
+/// The most points of a line; further ones, hidden by others, are left out.
 const POINTS: usize = 3000;
 
-/// There is so much room between keys, in pixels.
+/// The space between keys, in pixels.
 const KEY_DISTANCE: u32 = 4;
 
 /// Seconds and values.
 type Line = Vec<(f64, f64)>;
 
-/// What changes along the path, over time.
+/// A quantity of the path over time.
 struct TimeChart {
     title: &'static str,
     color: RGBColor,
@@ -33,8 +35,8 @@ struct TimeChart {
     values: Range<f64>,
 }
 
-/// Draws speed, turn rate and field of view over time, one below the other. `keys` are their numbers and frames.
-pub(super) fn draw(motion: &Motion, keys: &[(usize, u32)], place: &Cell, sheet: &Area) -> Drawn {
+/// Draws speed, turn rate and field of view over time, one below the other. `keys` are numbers of keys and frames.
+pub(super) fn draw(motion: &Motion, keys: &[(usize, u32)], cell: &Cell, sheet: &Area) -> Drawn {
     let speeds = of_shots(motion, Motion::speeds);
     let turns = of_shots(motion, Motion::turn_rates);
     let fields = of_shots(motion, Motion::fields_of_view);
@@ -58,8 +60,8 @@ pub(super) fn draw(motion: &Motion, keys: &[(usize, u32)], place: &Cell, sheet: 
             lines: fields,
         },
     ];
-    let plots = place.inside(0, KEYS, 0, BELOW);
-    draw_keys(motion, keys, place, sheet)?;
+    let plots = cell.inside(0, KEYS, 0, BELOW);
+    draw_keys(motion, keys, cell, sheet)?;
     for (number, (chart, row)) in charts.iter().zip(plots.rows(3)).enumerate() {
         let below = if number == 2 { BELOW } else { 0 };
         let row = Cell {
@@ -76,11 +78,11 @@ fn of_shots(motion: &Motion, line: fn(&Motion, &Range<u32>) -> Line) -> Vec<Line
     shots.map(|shot| line(motion, shot)).collect()
 }
 
-/// A little more than all values, and more than 0.
+/// The upper end of an axis that starts at 0.
 fn upwards(lines: &[Line]) -> f64 {
     let values = lines.iter().flatten().map(|point| point.1);
     let highest = values.fold(0.0, f64::max);
-    // What is less is not seen in a video, but made of rounding errors.
+    // Less is rounding error.
     if highest < 1e-4 { 1.0 } else { 1.1 * highest }
 }
 
@@ -93,15 +95,14 @@ fn times(motion: &Motion) -> Range<f64> {
     }
 }
 
-/// Draws numbered squares at the times of keys, above the charts: of the first, of the last and of those between for
-/// which there is room.
-fn draw_keys(motion: &Motion, keys: &[(usize, u32)], place: &Cell, sheet: &Area) -> Drawn {
+/// Draws numbered squares at the times of keys, above the charts: the first key, the last, and those between that fit.
+fn draw_keys(motion: &Motion, keys: &[(usize, u32)], cell: &Cell, sheet: &Area) -> Drawn {
     let (times, last) = (times(motion), motion.keys.len() - 1);
-    let width = f64::from(px(place.width - LEFT - RIGHT));
+    let width = f64::from(px(cell.width - LEFT - RIGHT));
     let at = |key: usize| {
-        let share = (motion.keys[key] - times.start) / (times.end - times.start);
-        let x = px(place.x + LEFT) as i32 + (share * width) as i32;
-        (x, px(place.y + KEYS / 2) as i32)
+        let fraction = (motion.keys[key] - times.start) / (times.end - times.start);
+        let x = px(cell.x + LEFT) as i32 + (fraction * width) as i32;
+        (x, px(cell.y + KEYS / 2) as i32)
     };
     let half = |key: usize| key_size(&[key]).0 + px(KEY_DISTANCE) as i32 / 2;
     let mut free = i32::MIN;
@@ -115,7 +116,7 @@ fn draw_keys(motion: &Motion, keys: &[(usize, u32)], place: &Cell, sheet: &Area)
     Ok(())
 }
 
-/// All values, and some degrees around.
+/// The range of all values with a margin of some degrees.
 fn around(lines: &[Line]) -> Range<f64> {
     let values = lines.iter().flatten().map(|point| point.1);
     let low = values.clone().fold(f64::INFINITY, f64::min);
@@ -129,11 +130,11 @@ impl TimeChart {
         &self,
         motion: &Motion,
         keys: &[(usize, u32)],
-        place: &Cell,
+        cell: &Cell,
         below: u32,
         sheet: &Area,
     ) -> Drawn {
-        let area = part(sheet, place);
+        let area = part(sheet, cell);
         let title = (FONT, px(15)).into_font().color(&BLACK);
         let at = (px(LEFT) as i32, px(4) as i32);
         area.draw(&Text::new(self.title, at, title))?;
@@ -157,7 +158,7 @@ impl TimeChart {
                 label(frame, duration * timeline.fps)
             )
         };
-        let width = place.width - LEFT - RIGHT;
+        let width = cell.width - LEFT - RIGHT;
         chart
             .configure_mesh()
             .x_desc(if below > 0 { "seconds (frame)" } else { "" })
@@ -168,7 +169,7 @@ impl TimeChart {
             .light_line_style(TRANSPARENT)
             .set_all_tick_mark_size(px(4))
             .x_labels((width / 90) as usize)
-            .y_labels((place.height / 25) as usize)
+            .y_labels((cell.height / 25) as usize)
             .x_label_formatter(&time_label)
             .y_label_formatter(&|value| label(*value, span))
             .draw()?;
@@ -190,7 +191,7 @@ impl TimeChart {
     }
 }
 
-/// No more than about so many points that look the same: of each of equal parts the lowest and the highest.
+/// At most about `most` points that look the same: the lowest and the highest of equal parts.
 fn thinned(points: &[(f64, f64)], most: usize) -> Line {
     if points.len() <= most {
         return points.to_vec();

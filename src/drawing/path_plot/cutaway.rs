@@ -1,3 +1,5 @@
+//! The scene behind a cutting plane as a grey drawing, from six axis-aligned rays at each pixel.
+
 use super::view::View;
 use crate::accel::Traversal;
 use crate::math::Ray;
@@ -5,7 +7,7 @@ use crate::scene::Scene;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
-/// A rectangle of a view, as a picture shows it.
+/// A rectangle of a view, and the size of its picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Window {
     /// The coordinates of the upper left corner on the view's axes.
@@ -16,7 +18,7 @@ pub(super) struct Window {
     pub(super) size: (u32, u32),
 }
 
-/// What is around a point is asked in these directions: along each axis and back.
+/// The directions of the rays from a point: along each axis and back.
 const DIRECTIONS: [Vec3; 6] = [
     Vec3::X,
     Vec3::NEG_X,
@@ -26,42 +28,42 @@ const DIRECTIONS: [Vec3; 6] = [
     Vec3::NEG_Z,
 ];
 
-/// The greys of the picture: white paper, what is cut pitch dark.
+/// The greys of the picture, from white paper to the dark lines of cut surfaces.
 const PAPER: u8 = 255;
 pub(super) const SECTION: u8 = 40;
-pub(super) const BODY: u8 = 110;
+pub(super) const SOLID: u8 = 110;
 const OUTLINE: u8 = 130;
 const CREASE: u8 = 180;
 
-/// What is met from a point in one direction.
+/// What a ray hits.
 #[derive(Clone, Copy)]
-struct Met {
+struct SurfaceHit {
     /// In metres.
     distance: f64,
-    /// The surface's unit normal, whichever side is seen.
+    /// The unit normal of the surface, whichever side is seen.
     normal: Vec3,
-    /// Whether it is met from behind.
+    /// Whether the back of the surface is hit.
     is_back: bool,
 }
 
-/// What is behind a pixel's point on the cutting plane.
+/// What the rays from a pixel's point on the cutting plane hit.
 #[derive(Clone, Copy)]
-struct Behind {
-    /// What is seen.
-    seen: Option<Met>,
-    /// Whether the point is inside a body.
-    is_body: bool,
-    /// Whether a surface is cut between it and a pixel beside it.
+struct PixelSample {
+    /// The hit behind the plane.
+    seen: Option<SurfaceHit>,
+    /// Whether the point is inside a solid.
+    is_solid: bool,
+    /// Whether a surface crosses the plane between this pixel and a neighbour.
     is_cut: bool,
 }
 
-/// A drawing of the scene in greys, row by row from the top left: what is left of it behind a plane that is `cut`
-/// metres along the view's direction from the world's origin, seen without perspective.
+/// An orthographic drawing in greys, row by row from the top left, of the scene behind a plane that is `cut` metres along
+/// the view direction from the world's origin.
 ///
-/// Paler where it is farther away or faces the reader, with lines where depth or direction jump. Surfaces that
-/// the plane cuts are dark lines, bodies that it cuts dark areas. `is_air` are points that are not inside
-/// bodies: if most of them seem to be, the scene's triangles do not say where its bodies are, and no areas
-/// are drawn.
+/// Surfaces are paler where they are farther away or face the reader, with lines where depth or normal are
+/// discontinuous. Surfaces that the plane cuts are dark lines, solids that it cuts dark areas. `is_air` are points outside
+/// solids: if most of them seem to be inside, the orientation of the triangles does not tell where solids are, and no
+/// areas are drawn.
 pub(super) fn cutaway(
     scene: &Scene,
     view: &View,
@@ -71,15 +73,15 @@ pub(super) fn cutaway(
 ) -> Vec<u8> {
     let relative = |point: DVec3| (point - scene.origin).as_vec3();
     let air: Vec<Vec3> = is_air.iter().map(|point| relative(*point)).collect();
-    let filled = in_bodies(&meet_all(scene, &air))
+    let filled = in_solids(&cast_rays(scene, &air))
         .iter()
         .filter(|is| **is)
         .count();
-    let shows_bodies = 2 * filled <= air.len();
+    let shows_solids = 2 * filled <= air.len();
 
     let (columns, rows) = (window.size.0 as usize, window.size.1 as usize);
     let pixel = (window.to - window.from) / DVec2::new(columns as f64, rows as f64);
-    let behind: Vec<Behind> = (0..rows)
+    let samples: Vec<PixelSample> = (0..rows)
         .into_par_iter()
         .flat_map_iter(|row| {
             let points: Vec<Vec3> = (0..columns)
@@ -88,32 +90,32 @@ pub(super) fn cutaway(
                     relative(view.at(window.from + middle * pixel, cut))
                 })
                 .collect();
-            row_behind(scene, view, &points, pixel, shows_bodies)
+            sample_row(scene, view, &points, pixel, shows_solids)
         })
         .collect();
     let step = pixel.abs().max_element();
     let forward = view.forward.as_vec3();
     let shade = |number: usize| {
-        let here = &behind[number];
-        let right = (number % columns + 1 < columns).then(|| &behind[number + 1]);
-        let below = behind.get(number + columns);
+        let here = &samples[number];
+        let right = (number % columns + 1 < columns).then(|| &samples[number + 1]);
+        let below = samples.get(number + columns);
         let neighbours = right.into_iter().chain(below);
         let line = neighbours.map(|next| line(here, next, forward, step)).min();
         let plain = plain(here, forward, step * columns.max(rows) as f64);
         line.map_or(plain, |line| line.min(plain))
     };
-    (0..behind.len()).map(shade).collect()
+    (0..samples.len()).map(shade).collect()
 }
 
-fn row_behind(
+fn sample_row(
     scene: &Scene,
     view: &View,
     points: &[Vec3],
     pixel: DVec2,
-    shows_bodies: bool,
-) -> Vec<Behind> {
-    let met = meet_all(scene, points);
-    let bodies = in_bodies(&met);
+    shows_solids: bool,
+) -> Vec<PixelSample> {
+    let met = cast_rays(scene, points);
+    let solids = in_solids(&met);
     let forward = &met[number_of(view.forward.as_vec3())];
     let is_cut = |axis: usize, step: f64, column: usize| {
         let both = &met[2 * axis..2 * axis + 2];
@@ -121,12 +123,12 @@ fn row_behind(
             .filter_map(|met| met[column])
             .any(|met| met.distance < step.abs())
     };
-    let behind = |column: usize| Behind {
+    let sample = |column: usize| PixelSample {
         seen: forward[column],
-        is_body: shows_bodies && bodies[column],
+        is_solid: shows_solids && solids[column],
         is_cut: is_cut(view.across, pixel.x, column) || is_cut(view.along, pixel.y, column),
     };
-    (0..points.len()).map(behind).collect()
+    (0..points.len()).map(sample).collect()
 }
 
 fn number_of(direction: Vec3) -> usize {
@@ -134,8 +136,8 @@ fn number_of(direction: Vec3) -> usize {
     found.expect("a direction of an axis")
 }
 
-/// What is met from each of some points, in each of the directions.
-fn meet_all(scene: &Scene, points: &[Vec3]) -> [Vec<Option<Met>>; 6] {
+/// The hits of rays from some points, in each of the directions.
+fn cast_rays(scene: &Scene, points: &[Vec3]) -> [Vec<Option<SurfaceHit>>; 6] {
     let mut traversal = Traversal::default();
     DIRECTIONS.map(|direction| {
         let rays: Vec<Ray> = points
@@ -143,11 +145,11 @@ fn meet_all(scene: &Scene, points: &[Vec3]) -> [Vec<Option<Met>>; 6] {
             .map(|&point| Ray::new(point, direction))
             .collect();
         let mut hits = vec![None; rays.len()];
-        scene.closest_of_packet(&rays, &mut hits, &mut traversal);
+        scene.closest_coherent(&rays, &mut hits, &mut traversal);
         let met = rays.iter().zip(hits).map(|(ray, hit)| {
             let hit = hit?;
             let normal = scene.normal(ray, &hit);
-            Some(Met {
+            Some(SurfaceHit {
                 distance: hit.t,
                 normal,
                 is_back: normal.dot(direction) > 0.0,
@@ -157,9 +159,9 @@ fn meet_all(scene: &Scene, points: &[Vec3]) -> [Vec<Option<Met>>; 6] {
     })
 }
 
-/// Whether each point is inside a body: it meets something from behind in all directions but one. But one, because
-/// bodies that stand on a floor are often open below.
-fn in_bodies(met: &[Vec<Option<Met>>; 6]) -> Vec<bool> {
+/// Whether each point is inside a solid: it sees backs in at least five directions, as solids on a floor are often open
+/// below.
+fn in_solids(met: &[Vec<Option<SurfaceHit>>; 6]) -> Vec<bool> {
     let backs = |number: usize| {
         let met = met.iter().filter_map(|met| met[number]);
         met.filter(|met| met.is_back).count()
@@ -169,16 +171,16 @@ fn in_bodies(met: &[Vec<Option<Met>>; 6]) -> Vec<bool> {
         .collect()
 }
 
-/// What a pixel is without lines: as pale as it faces the reader, and paler far away, where `far` is as far as
-/// the picture is wide.
-fn plain(behind: &Behind, forward: Vec3, far: f64) -> u8 {
-    if behind.is_cut {
+/// The shade of a pixel without lines: paler where the surface faces the reader, and far away, relative to `far`, the
+/// width of the picture in metres.
+fn plain(sample: &PixelSample, forward: Vec3, far: f64) -> u8 {
+    if sample.is_cut {
         return SECTION;
     }
-    if behind.is_body {
-        return BODY;
+    if sample.is_solid {
+        return SOLID;
     }
-    let Some(seen) = behind.seen else {
+    let Some(seen) = sample.seen else {
         return PAPER;
     };
     let facing = f64::from(seen.normal.dot(forward).abs());
@@ -188,9 +190,8 @@ fn plain(behind: &Behind, forward: Vec3, far: f64) -> u8 {
     (light * 255.0) as u8
 }
 
-/// The line between a pixel and the next, if there is one: where one of them sees something far behind what the
-/// other sees, or something that faces elsewhere.
-fn line(here: &Behind, next: &Behind, forward: Vec3, step: f64) -> u8 {
+/// The shade of a line between a pixel and the next, white for none: where depth or normal are discontinuous.
+fn line(here: &PixelSample, next: &PixelSample, forward: Vec3, step: f64) -> u8 {
     let (Some(a), Some(b)) = (here.seen, next.seen) else {
         return if here.seen.is_some() == next.seen.is_some() {
             PAPER
@@ -198,8 +199,8 @@ fn line(here: &Behind, next: &Behind, forward: Vec3, step: f64) -> u8 {
             OUTLINE
         };
     };
-    // How much deeper a plane may be in the next pixel.
-    let slope = |met: Met| {
+    // The slope of the depth of a plane.
+    let slope = |met: SurfaceHit| {
         let facing = f64::from(met.normal.dot(forward).abs()).max(0.05);
         (1.0 - facing * facing).max(0.0).sqrt() / facing
     };
@@ -225,7 +226,9 @@ mod tests {
         let (positions, mut triangles) =
             cuboid(DVec3::new(-2.0, 0.0, -2.0), DVec3::new(2.0, 3.0, 2.0));
         if !is_inside_out {
-            triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
+            triangles
+                .iter_mut()
+                .for_each(|vertices| vertices.swap(1, 2));
         }
         let mesh = SourceMesh {
             positions,
@@ -271,7 +274,7 @@ mod tests {
         ];
         for is_inside_out in [false, true] {
             let scene = room(is_inside_out, &spheres);
-            let bodies = if is_inside_out { None } else { Some(BODY) };
+            let solids = if is_inside_out { None } else { Some(SOLID) };
             let walls = plan(
                 &scene,
                 &[(-1.99, 0.3), (1.99, 0.3), (0.3, -1.99), (0.3, 1.99)],
@@ -289,7 +292,7 @@ mod tests {
             assert_eq!(below_hanging, floor);
             // Nearer, so darker.
             assert!(top < floor && top > OUTLINE);
-            if let Some(body) = bodies {
+            if let Some(body) = solids {
                 assert_eq!(cut, body);
             }
             assert_eq!(plan(&scene, &[(1.4, 0.02), (0.98, 0.41)]), [SECTION; 2]);

@@ -1,19 +1,21 @@
-use super::layout::px;
-use super::panel::Place;
+//! Placement of labels without overlap.
 
-/// Finds places for texts where nothing else is.
+use super::layout::px;
+use super::panel::SheetPoint;
+
+/// The rectangles that are taken, and a search for free ones.
 #[derive(Debug)]
 pub(super) struct Labels {
-    /// The corners of the rectangle that all stay in.
-    corners: [Place; 2],
+    /// The corners of the rectangle that contains all labels.
+    corners: [SheetPoint; 2],
     taken: Vec<Taken>,
 }
 
-/// All that is no farther from `middle` than `half` of its size, in units of the sheet.
+/// A rectangle around `middle` with half extents `half`, in units of the sheet.
 #[derive(Clone, Copy, Debug)]
 struct Taken {
-    middle: Place,
-    half: Place,
+    middle: SheetPoint,
+    half: SheetPoint,
 }
 
 impl Taken {
@@ -23,28 +25,33 @@ impl Taken {
     }
 }
 
-/// Half of the size of a text that is so many pixels high.
-pub(super) fn half_size(text: &str, height: u32) -> Place {
+/// The half extents of a text of `height` pixels.
+pub(super) fn half_size(text: &str, height: u32) -> SheetPoint {
     let letters = text.chars().count() as u32;
     ((px(height) * letters / 4) as i32, (px(height) / 2) as i32)
 }
 
 impl Labels {
-    /// For texts between an upper left and a lower right corner.
-    pub(super) fn within(corners: [Place; 2]) -> Labels {
+    /// Labels between an upper left and a lower right corner.
+    pub(super) fn within(corners: [SheetPoint; 2]) -> Labels {
         Labels {
             corners,
             taken: Vec::new(),
         }
     }
 
-    /// Keeps a place free of what is placed later.
-    pub(super) fn take(&mut self, middle: Place, half: Place) {
+    /// Reserves a rectangle.
+    pub(super) fn take(&mut self, middle: SheetPoint, half: SheetPoint) {
         self.taken.push(Taken { middle, half });
     }
 
-    /// The middle of a free place beside something, of which `away` is half the size; none if there is none.
-    pub(super) fn beside(&mut self, what: Place, away: i32, half: Place) -> Option<Place> {
+    /// Takes a free rectangle beside a point, `away` from it, and returns its middle; none if there is no room.
+    pub(super) fn beside(
+        &mut self,
+        what: SheetPoint,
+        away: i32,
+        half: SheetPoint,
+    ) -> Option<SheetPoint> {
         let (right, down) = (away + half.0, away + half.1);
         let around = [
             (right, 0),
@@ -66,8 +73,8 @@ impl Labels {
         Some(free.middle)
     }
 
-    /// Whether a place meets none that is kept.
-    pub(super) fn is_free(&self, middle: Place, half: Place) -> bool {
+    /// Whether a rectangle overlaps none that is taken.
+    pub(super) fn is_free(&self, middle: SheetPoint, half: SheetPoint) -> bool {
         let place = Taken { middle, half };
         !self.taken.iter().any(|taken| taken.meets(&place))
     }
@@ -87,7 +94,7 @@ mod tests {
     fn places_are_used_once() {
         let mut labels = Labels::within([(-100, -100), (60, 20)]);
         labels.take((0, 0), (5, 5));
-        let places: Vec<Place> =
+        let places: Vec<SheetPoint> =
             std::iter::from_fn(|| labels.beside((0, 0), 15, (20, 10))).collect();
         assert_eq!(places, [(35, 0), (-35, 0), (0, -25)]);
     }

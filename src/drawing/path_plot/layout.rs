@@ -1,10 +1,12 @@
+//! The layout of the sheet.
+
 use super::region::Region;
 use super::view::View;
 
 /// Columns and rows of the sheet, in pixels.
 pub(super) const SIZE: (u32, u32) = (1200, 1000);
 
-/// plotters rounds to whole units: so many of them in a pixel, so that nobody sees it.
+/// Units of the sheet in a pixel: plotters rounds to whole units.
 const UNITS: u32 = 4;
 
 /// A length in pixels as one in units of the sheet.
@@ -21,7 +23,7 @@ pub(super) struct Cell {
     pub(super) height: u32,
 }
 
-/// Where on the sheet what is.
+/// The cells of the sheet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layout {
     pub(super) plan: Cell,
@@ -29,10 +31,10 @@ pub(super) struct Layout {
     pub(super) charts: Cell,
 }
 
-/// The title and the legend, always.
+/// The title and the legend, in all layouts.
 pub(super) const HEAD: Cell = cell(0, 0, 1200, 60);
 
-/// For what is long, for what is square and for what is wide, seen from above.
+/// For paths that are long, square and wide, seen from above.
 const LAYOUTS: [Layout; 3] = [
     Layout {
         plan: cell(0, 60, 500, 940),
@@ -61,7 +63,7 @@ const fn cell(x: u32, y: u32, width: u32, height: u32) -> Cell {
 }
 
 impl Cell {
-    /// What is left of it inside of margins.
+    /// The cell without margins.
     pub(super) fn inside(&self, left: u32, top: u32, right: u32, bottom: u32) -> Cell {
         Cell {
             x: self.x + left,
@@ -71,7 +73,7 @@ impl Cell {
         }
     }
 
-    /// Equal parts of it, one below the other.
+    /// Equal parts of the cell, one below the other.
     pub(super) fn rows(&self, count: u32) -> impl Iterator<Item = Cell> {
         let (all, height) = (*self, self.height / count);
         (0..count).map(move |row| Cell {
@@ -83,12 +85,12 @@ impl Cell {
 }
 
 impl Layout {
-    /// The one that shows plan and elevation of a region largest.
+    /// The layout that shows plan and elevation of a region largest.
     pub(super) fn of(region: &Region) -> Layout {
         let size = region.shown.size();
-        let scale = |view: &View, place: &Cell| {
+        let scale = |view: &View, cell: &Cell| {
             let size = view.flat(size);
-            (f64::from(place.width) / size.x).min(f64::from(place.height) / size.y)
+            (f64::from(cell.width) / size.x).min(f64::from(cell.height) / size.y)
         };
         let both = |layout: &Layout| {
             scale(&View::PLAN, &layout.plan) * scale(&region.elevation, &layout.elevation)
@@ -111,7 +113,7 @@ mod tests {
     fn panels_fill_the_sheet_and_do_not_overlap() {
         for layout in LAYOUTS {
             let all = [HEAD, layout.plan, layout.elevation, layout.charts];
-            let area = |place: &Cell| place.width * place.height;
+            let area = |cell: &Cell| cell.width * cell.height;
             assert_eq!(all.iter().map(area).sum::<u32>(), SIZE.0 * SIZE.1);
             for (number, a) in all.iter().enumerate() {
                 assert!(a.x + a.width <= SIZE.0 && a.y + a.height <= SIZE.1);

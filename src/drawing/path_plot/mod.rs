@@ -1,8 +1,8 @@
-//! A picture of a scene and of a camera path through it, to be read at a glance: a plan, an elevation, and how fast
-//! the camera goes, turns and zooms.
+//! The plot of a camera path through a scene: a plan, an elevation, and charts of speed, turn rate and zoom.
 //!
-//! Knows the scene and the path, never files or terminals.
+//! Knows nothing of files or terminals.
 
+mod area;
 mod axis;
 mod charts;
 mod cutaway;
@@ -18,37 +18,29 @@ mod view;
 use crate::camera::CameraPath;
 use crate::scene::Scene;
 use motion::Motion;
-use plotters::coord::Shift;
-use plotters::drawing::DrawingArea;
-use plotters::prelude::SVGBackend;
 use region::Region;
 use sheet::Sheet;
 use std::error::Error;
 use thiserror::Error;
 
-/// A picture that cannot be drawn.
+/// A plot that cannot be drawn.
 #[derive(Debug, Error)]
 #[error("the plot of a camera path: {0}")]
 pub struct PlotError(Box<dyn Error + Send + Sync>);
 
-/// Where plotters draws, in units of the sheet.
-type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-
-type Drawn = Result<(), Box<dyn Error>>;
-
-/// The text of an SVG file that shows where the path leads through the scene, and how.
+/// The text of an SVG file that plots a camera path through a scene.
 ///
-/// The plan is seen from above, cut open just above the highest position of the camera: what is higher is not
-/// there. The elevation is seen from the side, across the longer horizontal axis of the path and of what it looks
-/// at, cut open just in front of the path. Both show the path and what is around it, up to a few times its own
-/// extent. `aspect` is the width of a frame over its height: how wide the camera sees. `title` stands above.
+/// The plan is a section just above the highest position of the camera, seen from above. The elevation is a section just
+/// in front of the path, seen from the side, across the longer horizontal axis of the path and of what it looks at. Both
+/// show the path and its surroundings, up to a few times its own extent. `aspect` is the width of a frame over its
+/// height. `title` stands above.
 pub fn plot(
     scene: &Scene,
     path: &CameraPath,
     aspect: f64,
     title: &str,
 ) -> Result<String, PlotError> {
-    // No SVG file can have them.
+    // Not allowed in SVG.
     let title = title.replace(char::is_control, " ");
     let motion = Motion::of(path, aspect);
     let region = Region::of(scene, &motion);

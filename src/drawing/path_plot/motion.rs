@@ -1,12 +1,13 @@
-use crate::camera::{Camera, CameraPath, Timeline};
+//! Speed, turn rate and zoom along a camera path.
+
+use crate::camera::{Camera, CameraPath, FrameCameras, Timeline};
 use glam::DVec3;
 use std::ops::Range;
 
-/// What a camera does along its path, frame by frame.
+/// The motion of a camera along its path, frame by frame.
 #[derive(Debug)]
 pub(super) struct Motion {
-    /// The camera of each frame, at least one; after the last of a closed path the first once more, as it goes on
-    /// there.
+    /// The camera of each frame, at least one; a closed path without a cut at its seam ends with the first again.
     pub(super) cameras: Vec<Camera>,
     /// Frames and their times.
     pub(super) timeline: Timeline,
@@ -14,7 +15,7 @@ pub(super) struct Motion {
     pub(super) aspect: f64,
     /// The times of the keys, in seconds.
     pub(super) keys: Vec<f64>,
-    /// Where the camera is at each.
+    /// The camera's position at each key.
     pub(super) key_positions: Vec<DVec3>,
     /// The frames between cuts, in their order.
     pub(super) shots: Vec<Range<u32>>,
@@ -22,26 +23,20 @@ pub(super) struct Motion {
 
 impl Motion {
     pub(super) fn of(path: &CameraPath, aspect: f64) -> Motion {
-        let frames = path.timeline().frame_count();
-        let goes_on = path.is_closed() && frames > 1 && !path.is_cut(frames - 1);
-        let count = frames + u32::from(goes_on);
-        let mut shots = Vec::new();
-        let mut start = 0;
-        for end in 1..=count {
-            if end == count || path.is_cut(end - 1) {
-                shots.push(start..end);
-                start = end;
-            }
+        let mut frames = FrameCameras::of(path);
+        let last = frames.cameras.len() - 1;
+        if frames.is_closed && last > 0 && !frames.is_cut(last) {
+            frames.cameras.push(frames.cameras[0]);
         }
+        let shots = frames.shots().into_iter();
+        let shots = shots.map(|shot| shot.start as u32..shot.end as u32);
         Motion {
-            cameras: (0..count)
-                .map(|frame| path.camera(frame % frames))
-                .collect(),
+            shots: shots.collect(),
+            cameras: frames.cameras,
             timeline: *path.timeline(),
             aspect,
             keys: path.keys().to_vec(),
             key_positions: path.key_positions(),
-            shots,
         }
     }
 
@@ -54,18 +49,18 @@ impl Motion {
         self.cameras.len() as u32
     }
 
-    /// The frame that is nearest to a time.
+    /// The frame nearest to a time.
     pub(super) fn frame_at(&self, time: f64) -> u32 {
         let last = self.frame_count() - 1;
         let duration = self.timeline.time_of(last) - self.timeline.start;
-        let share = (time - self.timeline.start) / duration;
+        let fraction = (time - self.timeline.start) / duration;
         // NaN for a still, which becomes 0.
-        (share * f64::from(last))
+        (fraction * f64::from(last))
             .round()
             .clamp(0.0, f64::from(last)) as u32
     }
 
-    /// How far the camera goes, in metres; jumps do not count.
+    /// The length of the path in metres, without cuts.
     pub(super) fn length(&self) -> f64 {
         self.shots
             .iter()
@@ -74,7 +69,7 @@ impl Motion {
             .sum()
     }
 
-    /// Metres per second of the video, in the middles between the frames of a shot: seconds and speeds.
+    /// Speeds between the frames of a shot: times in seconds and metres per second of the video.
     pub(super) fn speeds(&self, shot: &Range<u32>) -> Vec<(f64, f64)> {
         let speeds = self
             .steps(shot)
@@ -82,7 +77,7 @@ impl Motion {
         self.rates(shot, speeds)
     }
 
-    /// As [`Motion::speeds`], degrees per second by which the camera turns.
+    /// As [`Motion::speeds`], the turn rate in degrees per second.
     pub(super) fn turn_rates(&self, shot: &Range<u32>) -> Vec<(f64, f64)> {
         let turns = self
             .steps(shot)
@@ -90,7 +85,7 @@ impl Motion {
         self.rates(shot, turns)
     }
 
-    /// The vertical field of view of the frames of a shot: seconds and degrees.
+    /// The vertical field of view of the frames of a shot: times in seconds and degrees.
     pub(super) fn fields_of_view(&self, shot: &Range<u32>) -> Vec<(f64, f64)> {
         let of = |frame| {
             let degrees = self.camera(frame).field_of_view().to_degrees();
@@ -118,15 +113,21 @@ mod tests {
     use crate::camera::{Interpolation, Keyframe, Orientation, PathTiming, Segment};
     use glam::DQuat;
 
-    fn path(seconds: f64, turn: f64) -> CameraPath {
-        let key = |time: f64, x: f64, degrees: f64| Keyframe {
+    fn key(time: f64, x: f64, degrees: f64, interpolation: Interpolation) -> Keyframe {
+        Keyframe {
             time,
             position: DVec3::new(x, 0.0, 0.0),
             orientation: Orientation::Rotation(DQuat::from_rotation_y(degrees.to_radians())),
             field_of_view: 1.0,
-            segment: Segment::of(Interpolation::Linear),
-        };
-        let keys = [key(1.0, 0.0, 0.0), key(1.0 + seconds, 6.0, turn)];
+            segment: Segment::of(interpolation),
+        }
+    }
+
+    fn path(seconds: f64, turn: f64) -> CameraPath {
+        let keys = [
+            key(1.0, 0.0, 0.0, Interpolation::Linear),
+            key(1.0 + seconds, 6.0, turn, Interpolation::Linear),
+        ];
         CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("two keys")
     }
 
@@ -150,18 +151,11 @@ mod tests {
 
     #[test]
     fn shots_end_where_the_camera_jumps() {
-        let key = |time: f64, x: f64, interpolation| Keyframe {
-            time,
-            position: DVec3::new(x, 0.0, 0.0),
-            orientation: Orientation::Rotation(DQuat::IDENTITY),
-            field_of_view: 1.0,
-            segment: Segment::of(interpolation),
-        };
         let keys = [
-            key(0.0, 0.0, Interpolation::Linear),
-            key(1.0, 1.0, Interpolation::Hold),
-            key(2.0, 50.0, Interpolation::Linear),
-            key(3.0, 51.0, Interpolation::Linear),
+            key(0.0, 0.0, 0.0, Interpolation::Linear),
+            key(1.0, 1.0, 0.0, Interpolation::Hold),
+            key(2.0, 50.0, 0.0, Interpolation::Linear),
+            key(3.0, 51.0, 0.0, Interpolation::Linear),
         ];
         let path = CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("a path with a cut");
         let motion = Motion::of(&path, 1.5);
@@ -171,13 +165,7 @@ mod tests {
 
     #[test]
     fn closed_paths_are_closed() {
-        let key = |time: f64, x: f64| Keyframe {
-            time,
-            position: DVec3::new(x, 0.0, 0.0),
-            orientation: Orientation::Rotation(DQuat::IDENTITY),
-            field_of_view: 1.0,
-            segment: Segment::of(Interpolation::Linear),
-        };
+        let key = |time: f64, x: f64| key(time, x, 0.0, Interpolation::Linear);
         let keys = [key(0.0, 0.0), key(0.97, 1.0), key(2.0, 0.0)];
         let timing = PathTiming {
             closed: true,
@@ -199,13 +187,7 @@ mod tests {
         for (time, frame) in [(0.0, 0), (1.0, 0), (1.52, 5), (3.0, 20), (9.0, 20)] {
             assert_eq!(motion.frame_at(time), frame);
         }
-        let key = Keyframe {
-            time: 3.0,
-            position: DVec3::ZERO,
-            orientation: Orientation::Rotation(DQuat::IDENTITY),
-            field_of_view: 1.0,
-            segment: Segment::of(Interpolation::Linear),
-        };
+        let key = key(3.0, 0.0, 0.0, Interpolation::Linear);
         let still = CameraPath::new(24.0, &[key], &PathTiming::BY_KEYS).expect("a still");
         let still = Motion::of(&still, 1.0);
         assert_eq!(still.frame_at(3.0), 0);

@@ -1,9 +1,11 @@
+//! The marks of a path over the views of the scene: line, frames, keys and view frustums.
+
+use super::area::{Area, Drawn};
 use super::axis::{ranges, round_step};
 use super::labels::{Labels, half_size};
 use super::layout::px;
 use super::motion::Motion;
-use super::panel::{Panel, Place};
-use super::{Area, Drawn};
+use super::panel::{Panel, SheetPoint};
 use crate::camera::Camera;
 use crate::drawing::chart::{COLORS, FONT};
 use glam::DVec3;
@@ -11,43 +13,43 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 pub(super) const LINE: RGBColor = COLORS[0];
-pub(super) const SIGHT: RGBColor = COLORS[5];
+pub(super) const FRUSTUM: RGBColor = COLORS[5];
 pub(super) const START: RGBColor = COLORS[2];
 pub(super) const END: RGBColor = COLORS[1];
 pub(super) const DOT: RGBColor = RGBColor(0, 50, 100);
 
-/// So many dots along the path at most, and their least distance in pixels.
+/// The most dots along the path, and their least distance in pixels.
 const DOTS: f64 = 120.0;
 const DOT_DISTANCE: f64 = 6.0;
 
-/// So many frames have their numbers beside them at most.
+/// The most frames with a number beside them.
 const NUMBERS: f64 = 20.0;
 
-/// So many keys are shown at most, and between them so many fields of view in all.
+/// The most keys that are shown, and the most view frustums in all.
 const KEYS: usize = 24;
-const SIGHTS: u32 = 18;
+const FRUSTUMS: u32 = 18;
 
-/// Keys that are nearer to each other than so many pixels share a mark.
+/// The distance in pixels below which keys share a mark.
 const SAME: u32 = 15;
 
-/// What is drawn of a path over the views of the scene: which frames and which keys.
+/// Which frames and keys of a path are marked.
 #[derive(Debug)]
 pub(super) struct Marks {
-    /// There is a dot every so many frames.
+    /// The frames from a dot to the next.
     pub(super) dots: u32,
-    /// There is a number every so many frames.
+    /// The frames from a number to the next.
     numbers: u32,
     /// The keys that are shown, and their frames.
     pub(super) keys: Vec<(usize, u32)>,
-    /// The frames whose field of view is shown.
-    sights: Vec<u32>,
-    /// How long fields of view are drawn, in metres.
-    sight: f64,
+    /// The frames whose view frustum is shown.
+    frustums: Vec<u32>,
+    /// The length of view frustums, in metres.
+    frustum_length: f64,
 }
 
 impl Marks {
-    /// For views that have at least so many units of the sheet to a metre.
-    pub(super) fn of(motion: &Motion, units_per_metre: f64, sight: f64) -> Marks {
+    /// The marks for views of at least `units_per_metre` units of the sheet.
+    pub(super) fn of(motion: &Motion, units_per_metre: f64, frustum_length: f64) -> Marks {
         let count = f64::from(motion.frame_count());
         let length = motion.length() * units_per_metre / f64::from(px(1));
         let second = motion.timeline.fps.round().max(1.0);
@@ -56,29 +58,32 @@ impl Marks {
         Marks {
             dots: round_step(count / (length / DOT_DISTANCE).clamp(1.0, DOTS)).min(numbers),
             numbers,
-            sights: sights(&keys),
+            frustums: frustums(&keys),
             keys,
-            sight,
+            frustum_length,
         }
     }
 
     /// Draws them over a view.
     pub(super) fn draw(&self, motion: &Motion, panel: &Panel, sheet: &Area) -> Drawn {
         let mut labels = Labels::within(panel.corners());
-        let mut drawn: Vec<[Place; 5]> = Vec::new();
-        for &frame in &self.sights {
-            let sight = self.sight(motion, frame, panel);
-            // One upon the other they would hide what is below.
-            if !drawn.iter().any(|other| is_near(other, &sight)) {
-                draw_sight(&sight, sheet)?;
+        let mut drawn: Vec<[SheetPoint; 5]> = Vec::new();
+        for &frame in &self.frustums {
+            let frustum = self.frustum(motion, frame, panel);
+            // Frustums on top of each other would hide the drawing.
+            if !drawn.iter().any(|other| is_near(other, &frustum)) {
+                draw_frustum(&frustum, sheet)?;
                 let half = px(4) as i32;
-                labels.take(middle(&sight), (half, half));
-                drawn.push(sight);
+                labels.take(middle(&frustum), (half, half));
+                drawn.push(frustum);
             }
         }
         for shot in &motion.shots {
-            let mut line: Vec<Place> = shot.clone().map(|f| place(motion, f, panel)).collect();
-            // Others would not be seen: frames of a camera that hardly moves.
+            let mut line: Vec<SheetPoint> = shot
+                .clone()
+                .map(|f| sheet_point(motion, f, panel))
+                .collect();
+            // Frames of a camera that hardly moves share points.
             line.dedup();
             for &vertex in &line {
                 labels.take(vertex, (px(4) as i32, px(4) as i32));
@@ -88,10 +93,10 @@ impl Marks {
             sheet.draw(&PathElement::new(line, LINE.stroke_width(px(2))))?;
         }
         let frames = 0..motion.frame_count();
-        let mut dots: Vec<Place> = frames
+        let mut dots: Vec<SheetPoint> = frames
             .clone()
             .step_by(self.dots as usize)
-            .map(|frame| place(motion, frame, panel))
+            .map(|frame| sheet_point(motion, frame, panel))
             .collect();
         dots.dedup();
         for dot in dots {
@@ -99,23 +104,23 @@ impl Marks {
         }
         self.draw_keys(motion, panel, &mut labels, sheet)?;
         for frame in frames.step_by(self.numbers as usize).skip(1) {
-            let at = place(motion, frame, panel);
+            let at = sheet_point(motion, frame, panel);
             write_beside(sheet, &mut labels, at, 6, &frame.to_string(), &DOT)?;
         }
         Ok(())
     }
 
-    /// The eye and the corners of what a camera sees.
-    fn sight(&self, motion: &Motion, frame: u32, panel: &Panel) -> [Place; 5] {
+    /// The apex and the far corners of a camera's view frustum.
+    fn frustum(&self, motion: &Motion, frame: u32, panel: &Panel) -> [SheetPoint; 5] {
         let camera = motion.camera(frame);
         let up = camera.half_height;
         let right = up * motion.aspect;
         let corner = |x: f64, y: f64| {
             let towards = camera.rotation * DVec3::new(x * right, y * up, -1.0);
-            panel.place(camera.position + self.sight * towards.normalize())
+            panel.to_sheet(camera.position + self.frustum_length * towards.normalize())
         };
         [
-            place(motion, frame, panel),
+            sheet_point(motion, frame, panel),
             corner(-1.0, -1.0),
             corner(1.0, -1.0),
             corner(1.0, 1.0),
@@ -123,8 +128,8 @@ impl Marks {
         ]
     }
 
-    /// A numbered square for each key, or for all that are at one place, and where the path starts and ends. Where
-    /// there is no room for the number the square is small.
+    /// Draws a numbered square for each key, or for all keys at one point, and labels start and end. Without room for the
+    /// number the square is small.
     fn draw_keys(
         &self,
         motion: &Motion,
@@ -132,11 +137,12 @@ impl Marks {
         labels: &mut Labels,
         sheet: &Area,
     ) -> Drawn {
-        let mut groups: Vec<(Place, Vec<usize>)> = Vec::new();
+        let mut groups: Vec<(SheetPoint, Vec<usize>)> = Vec::new();
         for &(key, _) in &self.keys {
-            let at = panel.place(motion.key_positions[key]);
-            let is_same =
-                |other: Place| (other.0 - at.0).abs().max((other.1 - at.1).abs()) < px(SAME) as i32;
+            let at = panel.to_sheet(motion.key_positions[key]);
+            let is_same = |other: SheetPoint| {
+                (other.0 - at.0).abs().max((other.1 - at.1).abs()) < px(SAME) as i32
+            };
             match groups.iter_mut().find(|group| is_same(group.0)) {
                 Some(group) => group.1.push(key),
                 None => groups.push((at, vec![key])),
@@ -175,44 +181,47 @@ impl Marks {
     }
 }
 
-fn is_near(a: &[Place; 5], b: &[Place; 5]) -> bool {
+fn is_near(a: &[SheetPoint; 5], b: &[SheetPoint; 5]) -> bool {
     let near = px(SAME) as i32;
     a.iter()
         .zip(b)
         .all(|(a, b)| (a.0 - b.0).abs() < near && (a.1 - b.1).abs() < near)
 }
 
-fn middle(places: &[Place; 5]) -> Place {
-    let mean = |sum: i32| sum / places.len() as i32;
+fn middle(points: &[SheetPoint; 5]) -> SheetPoint {
+    let mean = |sum: i32| sum / points.len() as i32;
     (
-        mean(places.iter().map(|place| place.0).sum()),
-        mean(places.iter().map(|place| place.1).sum()),
+        mean(points.iter().map(|point| point.0).sum()),
+        mean(points.iter().map(|point| point.1).sum()),
     )
 }
 
-/// Draws the sides of the pyramid of what is seen.
-fn draw_sight(&[eye, ref corners @ ..]: &[Place; 5], sheet: &Area) -> Drawn {
+/// Draws the sides of a view frustum.
+fn draw_frustum(&[eye, ref corners @ ..]: &[SheetPoint; 5], sheet: &Area) -> Drawn {
     for (number, &corner) in corners.iter().enumerate() {
         let side = vec![eye, corner, corners[(number + 1) % corners.len()]];
-        sheet.draw(&Polygon::new(side.clone(), SIGHT.mix(0.10)))?;
-        sheet.draw(&PathElement::new(side, SIGHT.mix(0.5).stroke_width(px(1))))?;
+        sheet.draw(&Polygon::new(side.clone(), FRUSTUM.mix(0.10)))?;
+        sheet.draw(&PathElement::new(
+            side,
+            FRUSTUM.mix(0.5).stroke_width(px(1)),
+        ))?;
     }
     Ok(())
 }
 
-/// Half of the size of a square with the numbers of keys.
-pub(super) fn key_size(keys: &[usize]) -> Place {
+/// The half extents of a square with the numbers of keys.
+pub(super) fn key_size(keys: &[usize]) -> SheetPoint {
     let (width, _) = half_size(&ranges(keys), 14);
     (width.max(px(4) as i32) + px(4) as i32, px(8) as i32)
 }
 
-/// Draws a square with the numbers of keys around a place. `last` is the last key.
-pub(super) fn draw_key(at: Place, keys: &[usize], last: usize, sheet: &Area) -> Drawn {
+/// Draws a square with the numbers of keys around a point. `last` is the last key.
+pub(super) fn draw_key(at: SheetPoint, keys: &[usize], last: usize, sheet: &Area) -> Drawn {
     draw_square(at, key_size(keys), key_color(keys, last), sheet)?;
     write(sheet, at, &ranges(keys), 14, &WHITE)
 }
 
-fn draw_square(at: Place, half: Place, color: RGBColor, sheet: &Area) -> Drawn {
+fn draw_square(at: SheetPoint, half: SheetPoint, color: RGBColor, sheet: &Area) -> Drawn {
     let corners = [
         (at.0 - half.0, at.1 - half.1),
         (at.0 + half.0, at.1 + half.1),
@@ -228,7 +237,7 @@ fn key_color(keys: &[usize], last: usize) -> RGBColor {
     }
 }
 
-/// All keys, or some of them, with the first and the last.
+/// All keys, or evenly spread ones with the first and the last.
 fn shown_keys(motion: &Motion) -> Vec<(usize, u32)> {
     let count = motion.keys.len();
     let step = round_step(count as f64 / KEYS as f64) as usize;
@@ -238,9 +247,9 @@ fn shown_keys(motion: &Motion) -> Vec<(usize, u32)> {
     shown
 }
 
-/// The frames of keys, and some between.
-fn sights(keys: &[(usize, u32)]) -> Vec<u32> {
-    let parts = (SIGHTS / keys.len() as u32).clamp(1, 6);
+/// The frames of the keys, and some between.
+fn frustums(keys: &[(usize, u32)]) -> Vec<u32> {
+    let parts = (FRUSTUMS / keys.len() as u32).clamp(1, 6);
     let mut frames: Vec<u32> = keys.iter().map(|key| key.1).collect();
     for pair in keys.windows(2) {
         let (from, to) = (pair[0].1, pair[1].1.max(pair[0].1));
@@ -249,24 +258,30 @@ fn sights(keys: &[(usize, u32)]) -> Vec<u32> {
     frames
 }
 
-fn place(motion: &Motion, frame: u32, panel: &Panel) -> Place {
+fn sheet_point(motion: &Motion, frame: u32, panel: &Panel) -> SheetPoint {
     let Camera { position, .. } = motion.camera(frame);
-    panel.place(*position)
+    panel.to_sheet(*position)
 }
 
-/// Writes a text so many pixels high around its middle.
-pub(super) fn write(sheet: &Area, middle: Place, text: &str, size: u32, color: &RGBColor) -> Drawn {
+/// Writes a text of `size` pixels around its middle.
+pub(super) fn write(
+    sheet: &Area,
+    middle: SheetPoint,
+    text: &str,
+    size: u32,
+    color: &RGBColor,
+) -> Drawn {
     let style = (FONT, px(size)).into_font().color(color);
     let style = style.pos(Pos::new(HPos::Center, VPos::Center));
     sheet.draw(&Text::new(text, middle, style))?;
     Ok(())
 }
 
-/// Writes a text beside something of which so many pixels are half the size, if there is room.
+/// Writes a text beside a point, `away` pixels from it, if there is room.
 fn write_beside(
     sheet: &Area,
     labels: &mut Labels,
-    what: Place,
+    what: SheetPoint,
     away: u32,
     text: &str,
     color: &RGBColor,

@@ -1,9 +1,11 @@
+//! A panel: a view of a part of the world, to scale, with axes.
+
+use super::area::{Area, Drawn};
 use super::axis::label;
 use super::cutaway::Window;
 use super::layout::{Cell, px};
 use super::region::Cuboid;
 use super::view::View;
-use super::{Area, Drawn};
 use crate::drawing::chart::FONT;
 use glam::{DVec2, DVec3};
 use plotters::prelude::*;
@@ -14,8 +16,8 @@ const LEFT: u32 = 62;
 const RIGHT: u32 = 12;
 const BELOW: u32 = 42;
 
-/// A place on the sheet, in its units.
-pub(super) type Place = (i32, i32);
+/// A point of the sheet, in its units.
+pub(super) type SheetPoint = (i32, i32);
 
 /// A view of a part of the world, to scale.
 #[derive(Debug)]
@@ -25,14 +27,14 @@ pub(super) struct Panel {
     outside: Cell,
     /// Between the axes.
     pub(super) inside: Cell,
-    /// What is between the axes.
+    /// The part of the view between the axes.
     pub(super) window: Window,
 }
 
 impl Panel {
-    /// One that shows all of `shown`, as large as its place allows, with the same scale on both axes.
-    pub(super) fn new(view: View, title: &str, place: Cell, shown: &Cuboid) -> Panel {
-        let inside = place.inside(LEFT, TITLE, RIGHT, BELOW);
+    /// A panel that shows all of `shown`, as large as its cell allows, with the same scale on both axes.
+    pub(super) fn new(view: View, title: &str, cell: Cell, shown: &Cuboid) -> Panel {
+        let inside = cell.inside(LEFT, TITLE, RIGHT, BELOW);
         let pixels = DVec2::new(f64::from(inside.width), f64::from(inside.height));
         let metres_per_pixel = (view.flat(shown.size()) / pixels).max_element();
         let middle = view.flat(0.5 * shown.min + 0.5 * shown.max);
@@ -43,7 +45,7 @@ impl Panel {
         Panel {
             view,
             title: title.to_owned(),
-            outside: place,
+            outside: cell,
             inside,
             window: Window {
                 from: middle - to_corner,
@@ -53,27 +55,27 @@ impl Panel {
         }
     }
 
-    /// How many units of the sheet a metre is.
+    /// Units of the sheet in a metre.
     pub(super) fn units_per_metre(&self) -> f64 {
         f64::from(px(self.inside.width)) / (self.window.to.x - self.window.from.x)
     }
 
-    /// Where on the sheet a point is.
-    pub(super) fn place(&self, point: DVec3) -> Place {
+    /// Maps a point in world coordinates to the sheet.
+    pub(super) fn to_sheet(&self, point: DVec3) -> SheetPoint {
         let Window { from, to, .. } = self.window;
-        let share = (self.view.flat(point) - from) / (to - from);
-        let unit = |start: u32, length: u32, share: f64| {
-            (f64::from(px(start)) + share * f64::from(px(length))).round() as i32
+        let fraction = (self.view.flat(point) - from) / (to - from);
+        let unit = |start: u32, length: u32, fraction: f64| {
+            (f64::from(px(start)) + fraction * f64::from(px(length))).round() as i32
         };
         let inside = &self.inside;
         (
-            unit(inside.x, inside.width, share.x),
-            unit(inside.y, inside.height, share.y),
+            unit(inside.x, inside.width, fraction.x),
+            unit(inside.y, inside.height, fraction.y),
         )
     }
 
-    /// The upper left and the lower right corner of what is between the axes.
-    pub(super) fn corners(&self) -> [Place; 2] {
+    /// The upper left and the lower right corner of the area between the axes.
+    pub(super) fn corners(&self) -> [SheetPoint; 2] {
         let Cell {
             x,
             y,
@@ -118,10 +120,10 @@ impl Panel {
     }
 }
 
-/// A part of the sheet.
-pub(super) fn part<'a>(sheet: &Area<'a>, place: &Cell) -> Area<'a> {
-    let corner = (px(place.x) as i32, px(place.y) as i32);
+/// The drawing area of a cell.
+pub(super) fn part<'a>(sheet: &Area<'a>, cell: &Cell) -> Area<'a> {
+    let corner = (px(cell.x) as i32, px(cell.y) as i32);
     sheet
         .clone()
-        .shrink(corner, (px(place.width), px(place.height)))
+        .shrink(corner, (px(cell.width), px(cell.height)))
 }

@@ -1,3 +1,5 @@
+//! The part of the world that a plot shows.
+
 use super::motion::Motion;
 use super::view::View;
 use crate::accel::Traversal;
@@ -5,14 +7,14 @@ use crate::math::Ray;
 use crate::scene::Scene;
 use glam::{DVec2, DVec3};
 
-/// So many times its reach around the path the scene is shown: farther away the path would become too small.
+/// The margin around the path within which the scene is shown, relative to its reach; more would make the path too small.
 const SURROUNDINGS: f64 = 2.5;
 
-/// What the camera looks at is asked of so many frames.
-const LOOKS: u32 = 64;
+/// The number of frames whose view rays are cast.
+const VIEW_RAYS: u32 = 64;
 
-/// The length of a drawn field of view, of the longest side of all that is shown.
-const SIGHT: f64 = 0.08;
+/// The length of view frustums, relative to the longest side of the part that is shown.
+const FRUSTUM_LENGTH: f64 = 0.08;
 
 /// The part of the world that is shown.
 #[derive(Clone, Debug)]
@@ -21,9 +23,9 @@ pub(super) struct Region {
     pub(super) shown: Cuboid,
     /// The camera's positions.
     pub(super) path: Cuboid,
-    /// How long fields of view are drawn, in metres.
-    pub(super) sight: f64,
-    /// How the elevation looks.
+    /// The length of view frustums, in metres.
+    pub(super) frustum_length: f64,
+    /// The view of the elevation.
     pub(super) elevation: View,
 }
 
@@ -58,8 +60,8 @@ impl Cuboid {
         }
     }
 
-    /// None if they have nothing in common.
-    fn common(&self, other: &Cuboid) -> Option<Cuboid> {
+    /// The intersection; none if they are disjoint.
+    fn intersection(&self, other: &Cuboid) -> Option<Cuboid> {
         let common = Cuboid {
             min: self.min.max(other.min),
             max: self.max.min(other.max),
@@ -69,14 +71,14 @@ impl Cuboid {
 }
 
 impl Region {
-    /// The path, and of the scene what is no farther from it than a few times its reach: its extent, or how far
-    /// away that is what the camera looks at.
+    /// The path, and the scene within a few times its reach: its extent, or the median distance of what the camera looks
+    /// at.
     pub(super) fn of(scene: &Scene, motion: &Motion) -> Region {
         let path = Cuboid::around(motion.cameras.iter().map(|camera| camera.position));
-        let mut looks = looks(scene, motion);
-        looks.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let distance = looks.get(looks.len() / 2).map_or(0.0, |look| look.1);
-        // Less than this the axes could not tell apart.
+        let mut hits = view_hits(scene, motion);
+        hits.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let distance = hits.get(hits.len() / 2).map_or(0.0, |hit| hit.1);
+        // Below this the labels of the axes would be equal.
         let finest = 1e-6 * path.min.abs().max(path.max.abs()).max_element();
         let reach = path.size().max_element().max(distance).max(finest);
         let reach = if reach > 0.0 { reach } else { 1.0 };
@@ -87,15 +89,18 @@ impl Region {
             max: scene.origin + bounds.max.as_dvec3(),
         };
         let near = scene
-            .common(&path.grown(SURROUNDINGS * reach))
+            .intersection(&path.grown(SURROUNDINGS * reach))
             .unwrap_or(path);
         let side = Cuboid::around([path.min, path.max, near.min, near.max]).size();
-        let sight = SIGHT * side.max_element().max(reach);
-        // A field of view at the end of the path still fits.
-        let (path_shown, near) = (path.grown(1.1 * sight), near.grown(0.3 * sight));
+        let frustum_length = FRUSTUM_LENGTH * side.max_element().max(reach);
+        // View frustums at the ends of the path fit.
+        let (path_shown, near) = (
+            path.grown(1.1 * frustum_length),
+            near.grown(0.3 * frustum_length),
+        );
         let shown = Cuboid::around([path_shown.min, path_shown.max, near.min, near.max]);
 
-        let looked_at = looks.iter().map(|look| look.0);
+        let looked_at = hits.iter().map(|hit| hit.0);
         let of_interest = Cuboid::around(looked_at.chain([path.min, path.max])).size();
         let elevation = if of_interest.x > of_interest.z {
             View::ELEVATION_OF_X
@@ -105,24 +110,24 @@ impl Region {
         Region {
             shown,
             path,
-            sight,
+            frustum_length,
             elevation,
         }
     }
 
-    /// How far forward a view is cut open: just in front of the path.
+    /// The depth of the cutting plane of a view: just in front of the path.
     pub(super) fn cut(&self, view: &View) -> f64 {
         let nearest = self
             .path
             .min
             .dot(view.forward)
             .min(self.path.max.dot(view.forward));
-        nearest - 0.1 * self.sight
+        nearest - 0.1 * self.frustum_length
     }
 }
 
-/// What the middles of some frames see: where it is, and how far away.
-fn looks(scene: &Scene, motion: &Motion) -> Vec<(DVec3, f64)> {
+/// The hits of the rays through the middles of some frames: points and distances.
+fn view_hits(scene: &Scene, motion: &Motion) -> Vec<(DVec3, f64)> {
     let film = DVec2::ONE;
     let ray = |frame| {
         motion
@@ -130,12 +135,18 @@ fn looks(scene: &Scene, motion: &Motion) -> Vec<(DVec3, f64)> {
             .rays(film, scene.origin)
             .through(0.5 * film)
     };
-    let rays: Vec<Ray> = motion.timeline.spread(LOOKS).into_iter().map(ray).collect();
+    let rays: Vec<Ray> = motion
+        .timeline
+        .spread(VIEW_RAYS)
+        .into_iter()
+        .map(ray)
+        .collect();
     let mut hits = vec![None; rays.len()];
-    scene.closest_of_wave(&rays, &mut hits, &mut Traversal::default());
-    let seen = rays.iter().zip(hits);
-    let seen = seen.filter_map(|(ray, hit)| hit.map(|hit| (scene.origin + ray.at(hit.t), hit.t)));
-    seen.collect()
+    scene.closest_incoherent(&rays, &mut hits, &mut Traversal::default());
+    let pairs = rays.iter().zip(hits);
+    let points =
+        pairs.filter_map(|(ray, hit)| hit.map(|hit| (scene.origin + ray.at(hit.t), hit.t)));
+    points.collect()
 }
 
 #[cfg(test)]
@@ -210,7 +221,7 @@ mod tests {
     fn a_standing_camera_in_nothing_has_room_around() {
         for at in [DVec3::ZERO, DVec3::splat(1e6)] {
             let region = region(&[], [at; 2]);
-            assert!(holds(&region, at) && region.sight > 0.0);
+            assert!(holds(&region, at) && region.frustum_length > 0.0);
             let sides = region.shown.size() / at.abs().max_element().max(1.0);
             assert!(sides.min_element() > 1e-8);
         }

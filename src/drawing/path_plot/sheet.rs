@@ -1,12 +1,15 @@
+//! The sheet: title, legend, plan, elevation and charts, drawn to SVG.
+
+use super::area::{Area, Drawn};
 use super::axis::label;
-use super::cutaway::{BODY, SECTION, cutaway};
+use super::charts;
+use super::cutaway::{SECTION, SOLID, cutaway};
 use super::layout::{Cell, HEAD, Layout, SIZE, px};
 use super::motion::Motion;
-use super::overlay::{DOT, END, LINE, Marks, SIGHT, START, write};
-use super::panel::{Panel, Place};
+use super::overlay::{DOT, END, FRUSTUM, LINE, Marks, START, write};
+use super::panel::{Panel, SheetPoint};
 use super::region::Region;
 use super::view::View;
-use super::{Area, Drawn, charts};
 use crate::drawing::chart::FONT;
 use crate::scene::Scene;
 use base64::Engine;
@@ -16,10 +19,10 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::error::Error;
 
-/// Whether the camera is in the air is asked of so many frames.
+/// The number of camera positions that are taken as outside of solids.
 const IN_THE_AIR: u32 = 16;
 
-/// All that is drawn, with its place.
+/// Everything that is drawn, with its layout.
 #[derive(Debug)]
 pub(super) struct Sheet<'a> {
     motion: &'a Motion,
@@ -44,7 +47,11 @@ impl<'a> Sheet<'a> {
             Panel::new(elevation, from, layout.elevation, &region.shown),
         ];
         let scale = panels.iter().map(Panel::units_per_metre);
-        let marks = Marks::of(motion, scale.fold(f64::INFINITY, f64::min), region.sight);
+        let marks = Marks::of(
+            motion,
+            scale.fold(f64::INFINITY, f64::min),
+            region.frustum_length,
+        );
         Sheet {
             motion,
             region,
@@ -64,7 +71,7 @@ impl<'a> Sheet<'a> {
         self.draw(&sheet)?;
         sheet.present()?;
         drop(sheet);
-        // The pictures come first, so that all else is above them; plotters cannot draw any.
+        // The images come first, below everything else; plotters cannot draw them.
         let (_, drawn) = drawn
             .split_once(">\n")
             .ok_or("plotters wrote no SVG file")?;
@@ -120,12 +127,12 @@ impl<'a> Sheet<'a> {
         charts::draw(self.motion, &self.marks.keys, &self.charts, sheet)
     }
 
-    /// What it is, and what its marks mean.
+    /// Draws title and legend.
     fn draw_head(&self, sheet: &Area) -> Drawn {
         let timeline = &self.motion.timeline;
         let frames = timeline.frame_count();
         let (seconds, metres) = (timeline.end - timeline.start, self.motion.length());
-        // There is room for so many letters beside the rest.
+        // Longer titles do not fit.
         let title = match self.title.char_indices().nth(60) {
             Some((end, _)) => format!("{}…", &self.title[..end]),
             None => self.title.to_owned(),
@@ -172,13 +179,13 @@ impl<'a> Sheet<'a> {
         legend.entry("what the camera sees", |sheet, at| {
             let (x, y) = (px(9) as i32, px(6) as i32);
             let cone = vec![(at.0 - x, at.1), (at.0 + x, at.1 - y), (at.0 + x, at.1 + y)];
-            sheet.draw(&Polygon::new(cone.clone(), SIGHT.mix(0.24)))?;
-            Ok(sheet.draw(&PathElement::new(cone, SIGHT.stroke_width(px(1))))?)
+            sheet.draw(&Polygon::new(cone.clone(), FRUSTUM.mix(0.24)))?;
+            Ok(sheet.draw(&PathElement::new(cone, FRUSTUM.stroke_width(px(1))))?)
         })?;
         legend.entry("scene, dark where it is cut", |sheet, at| {
             let half = px(7) as i32;
             let corners = [(at.0 - half, at.1 - half), (at.0 + half, at.1 + half)];
-            let grey = RGBColor(BODY, BODY, BODY);
+            let grey = RGBColor(SOLID, SOLID, SOLID);
             sheet.draw(&Rectangle::new(corners, grey.filled()))?;
             let [from, to] = corners;
             let edge = vec![from, (to.0, from.1), to, (from.0, to.1), from];
@@ -188,7 +195,7 @@ impl<'a> Sheet<'a> {
     }
 }
 
-/// Marks and what they mean, side by side.
+/// Marks and their meanings, side by side.
 struct Legend<'a, 'b> {
     sheet: &'a Area<'b>,
     /// The middle of the next mark, in pixels.
@@ -196,8 +203,8 @@ struct Legend<'a, 'b> {
 }
 
 impl Legend<'_, '_> {
-    /// Draws a mark around a place, and its meaning beside it.
-    fn entry(&mut self, meaning: &str, mark: impl FnOnce(&Area, Place) -> Drawn) -> Drawn {
+    /// Draws a mark around a point, and its meaning beside it.
+    fn entry(&mut self, meaning: &str, mark: impl FnOnce(&Area, SheetPoint) -> Drawn) -> Drawn {
         let at = |x: u32| (px(HEAD.x + x) as i32, px(HEAD.y + 45) as i32);
         mark(self.sheet, at(self.right))?;
         let text = (FONT, px(14)).into_font().color(&BLACK);

@@ -1,13 +1,15 @@
+//! Orthographic views along the axes of the world.
+
 use glam::{DVec2, DVec3};
 
-/// A way to look at the world along one of its axes, without perspective.
+/// An orthographic view along one of the world's axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct View {
     /// The axis that grows to the right of the page: 0 for x, 2 for z.
     pub(super) across: usize,
     /// The axis that runs along the page's height: 2 for z, which grows downwards, or 1 for y, which grows upwards.
     pub(super) along: usize,
-    /// Where it looks.
+    /// The view direction.
     pub(super) forward: DVec3,
 }
 
@@ -33,12 +35,12 @@ impl View {
         forward: DVec3::X,
     };
 
-    /// What of a point in space is seen: its coordinates on the two axes.
+    /// The coordinates of a point on the two axes of the page.
     pub(super) fn flat(&self, point: DVec3) -> DVec2 {
         DVec2::new(point[self.across], point[self.along])
     }
 
-    /// The point with two coordinates, so far forward.
+    /// The point with two coordinates on the page at a depth along the view direction.
     pub(super) fn at(&self, flat: DVec2, depth: f64) -> DVec3 {
         DVec3::AXES[self.across] * flat.x + DVec3::AXES[self.along] * flat.y + self.forward * depth
     }

@@ -1,4 +1,4 @@
-//! How near a point is to the nearest surface.
+//! The closest-point query: the distance from a point to the nearest surface.
 
 use super::Bvh;
 use super::node::{Child, ROOT};
@@ -6,20 +6,21 @@ use crate::geometry::distance_to_triangle;
 use glam::DVec3;
 
 impl Bvh {
-    /// The distance from a point to the nearest primitive's surface, inside a sphere as well as outside, or
-    /// none if it is not below `within`. In double precision; it does not depend on the tree.
-    pub fn distance(&self, point: DVec3, within: f64) -> Option<f64> {
+    /// The distance from a point to the closest point of any primitive's surface, from inside a sphere as well
+    /// as from outside, or none if it is not below `within`. In double precision; it does not depend on the
+    /// tree.
+    pub fn closest_point_distance(&self, point: DVec3, within: f64) -> Option<f64> {
         let mut nearest = within;
         if self.nodes.is_empty() {
             for block in 0..self.blocks.len() {
-                nearest = nearest.min(self.distance_to_block(block, point));
+                nearest = nearest.min(self.block_distance(block, point));
             }
             for sphere in &self.spheres {
                 nearest = nearest.min(sphere.distance(point));
             }
             return (nearest < within).then_some(nearest);
         }
-        // What is still to be visited, and how near it may be.
+        // Children still to be visited, with lower bounds of their distances.
         let mut stack = vec![(0.0, ROOT)];
         while let Some((bound, child)) = stack.pop() {
             if bound >= nearest {
@@ -36,11 +37,11 @@ impl Bvh {
                         // Infinite where there is no child.
                         stack.push((below.max(above).max(DVec3::ZERO).length(), child));
                     }
-                    // The nearest is visited first, and what is behind it is mostly left out.
+                    // The nearest is visited first, so most of the others are culled.
                     stack[first..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
                 }
                 Child::Triangles(index) => {
-                    nearest = nearest.min(self.distance_to_block(index as usize, point));
+                    nearest = nearest.min(self.block_distance(index as usize, point));
                 }
                 Child::Sphere(index) => {
                     nearest = nearest.min(self.spheres[index as usize].distance(point));
@@ -50,7 +51,7 @@ impl Bvh {
         (nearest < within).then_some(nearest)
     }
 
-    fn distance_to_block(&self, index: usize, point: DVec3) -> f64 {
+    fn block_distance(&self, index: usize, point: DVec3) -> f64 {
         let block = &self.blocks[index];
         let distances = (0..block.count()).map(|l| distance_to_triangle(point, block.triangle(l)));
         distances.fold(f64::INFINITY, f64::min)
@@ -60,9 +61,9 @@ impl Bvh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::Kernel;
     use crate::geometry::Sphere;
     use crate::sampling::Random;
+    use crate::simd::Kernel;
     use glam::Vec3;
 
     /// One after the other, in no order.
@@ -76,16 +77,16 @@ mod tests {
         let bvh = Bvh::new(triangles, spheres.to_vec(), Kernel::default());
         for point in points {
             let expected = brute_force(triangles, spheres, *point);
-            let found = bvh.distance(*point, f64::INFINITY);
+            let found = bvh.closest_point_distance(*point, f64::INFINITY);
             assert_eq!(found.is_some(), expected.is_finite(), "{point}");
             let Some(found) = found else { continue };
-            // The corners of a triangle are in another order in the tree.
+            // The vertices of a triangle are in another order in the tree.
             let size = f64::from(bvh.magnitude).max(point.abs().max_element());
             let error = (found - expected).abs();
             assert!(error <= 8.0 * f64::EPSILON * size, "{found} {expected}");
-            assert_eq!(bvh.distance(*point, found), None);
+            assert_eq!(bvh.closest_point_distance(*point, found), None);
             let within = 1.5 * found + 1e-9;
-            assert_eq!(bvh.distance(*point, within), Some(found));
+            assert_eq!(bvh.closest_point_distance(*point, within), Some(found));
         }
     }
 
@@ -124,7 +125,7 @@ mod tests {
                 })
                 .collect();
             let mut points: Vec<DVec3> = (0..200).map(|_| 2.0 * random.point()).collect();
-            points.extend(triangles.iter().map(|corners| corners[1].as_dvec3()));
+            points.extend(triangles.iter().map(|vertices| vertices[1].as_dvec3()));
             check(&triangles, &[], &points);
         }
     }
@@ -135,8 +136,8 @@ mod tests {
         let bvh = Bvh::new(&[], spheres, Kernel::default());
         for (x, distance) in [(0.5, 1.5), (1.0, 2.0), (3.5, 0.5), (3.0, 0.0)] {
             let point = DVec3::new(x, 0.0, 0.0);
-            assert_eq!(bvh.distance(point, 10.0), Some(distance));
+            assert_eq!(bvh.closest_point_distance(point, 10.0), Some(distance));
         }
-        assert_eq!(bvh.distance(DVec3::ONE, 0.5), None);
+        assert_eq!(bvh.closest_point_distance(DVec3::ONE, 0.5), None);
     }
 }

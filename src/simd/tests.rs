@@ -1,3 +1,5 @@
+//! Every operation of every register, on special values, beside plain arrays.
+
 #![expect(
     unsafe_code,
     reason = "calls into code compiled for a detected processor"
@@ -5,7 +7,7 @@
 
 use super::*;
 
-const HOSTILE: [f32; 12] = [
+const SPECIAL: [f32; 12] = [
     0.0,
     -0.0,
     1.0,
@@ -20,7 +22,7 @@ const HOSTILE: [f32; 12] = [
     7.0,
 ];
 
-/// Every operation whose bits are promised.
+/// Every operation whose bits are guaranteed.
 #[inline(always)]
 fn results<V: Floats<N>, const N: usize>(a: &[f32; N], b: &[f32; N]) -> ([[u32; N]; 9], [u32; 2]) {
     let (a, b) = (V::load(a), V::load(b));
@@ -45,12 +47,12 @@ fn results<V: Floats<N>, const N: usize>(a: &[f32; N], b: &[f32; N]) -> ([[u32; 
     )
 }
 
-/// Applies `check` to lanes of every pair of hostile values.
+/// Applies `check` to lanes of every pair of special values.
 fn each_pair<const N: usize>(check: impl Fn(&[f32; N], &[f32; N])) {
-    for shift in 0..HOSTILE.len() {
-        for start in 0..HOSTILE.len() {
-            let a = std::array::from_fn(|i| HOSTILE[(i + start) % HOSTILE.len()]);
-            let b = std::array::from_fn(|i| HOSTILE[(i + start + shift) % HOSTILE.len()]);
+    for shift in 0..SPECIAL.len() {
+        for start in 0..SPECIAL.len() {
+            let a = std::array::from_fn(|i| SPECIAL[(i + start) % SPECIAL.len()]);
+            let b = std::array::from_fn(|i| SPECIAL[(i + start + shift) % SPECIAL.len()]);
             check(&a, &b);
         }
     }
@@ -58,17 +60,17 @@ fn each_pair<const N: usize>(check: impl Fn(&[f32; N], &[f32; N])) {
 
 #[target_feature(enable = "avx2,fma")]
 fn with_avx2(a: &[f32; 8], b: &[f32; 8]) -> ([[u32; 8]; 9], [u32; 2]) {
-    results::<Avx2, 8>(a, b)
+    results::<Avx2Floats, 8>(a, b)
 }
 
 #[target_feature(enable = "avx2,fma")]
 fn with_pair(a: &[f32; 16], b: &[f32; 16]) -> ([[u32; 16]; 9], [u32; 2]) {
-    results::<Avx2Pair, 16>(a, b)
+    results::<Avx2FloatsPair, 16>(a, b)
 }
 
 #[target_feature(enable = "avx512f")]
 fn with_avx512(a: &[f32; 16], b: &[f32; 16]) -> ([[u32; 16]; 9], [u32; 2]) {
-    results::<Avx512, 16>(a, b)
+    results::<Avx512Floats, 16>(a, b)
 }
 
 #[test]
@@ -79,12 +81,12 @@ fn avx2_equals_portable_bit_for_bit() {
     each_pair(|a, b| {
         // SAFETY: AVX2 and FMA were detected above.
         let vector = unsafe { with_avx2(a, b) };
-        assert_eq!(vector, results::<Portable<8>, 8>(a, b));
+        assert_eq!(vector, results::<PortableFloats<8>, 8>(a, b));
     });
     each_pair(|a, b| {
         // SAFETY: AVX2 and FMA were detected above.
         let vector = unsafe { with_pair(a, b) };
-        assert_eq!(vector, results::<Portable<16>, 16>(a, b));
+        assert_eq!(vector, results::<PortableFloats<16>, 16>(a, b));
     });
 }
 
@@ -96,6 +98,6 @@ fn avx512_equals_portable_bit_for_bit() {
     each_pair(|a, b| {
         // SAFETY: AVX-512 F was detected above.
         let vector = unsafe { with_avx512(a, b) };
-        assert_eq!(vector, results::<Portable<16>, 16>(a, b));
+        assert_eq!(vector, results::<PortableFloats<16>, 16>(a, b));
     });
 }

@@ -1,20 +1,21 @@
-//! What all shapes, one after the other, say of a ray: triangles in another way and in double precision.
+//! Reference answers by brute force: every shape is tested, triangles in double precision by another method
+//! than the tree's (Moeller and Trumbore 1997, "Fast, Minimum Storage Ray/Triangle Intersection").
 
 use crate::geometry::{Hit, Sphere};
 use crate::math::Ray;
 use glam::Vec3;
 
-/// Within so much of an edge, as a barycentric weight, single precision may see a triangle or not.
+/// Closer to an edge than this, as a barycentric weight, single precision may hit a triangle or miss it.
 const MARGIN: f64 = 1e-4;
 
-/// Distances that differ by no more than this share count as the same, and a number decides: 2^-28 and what
-/// rounding adds.
+/// Distances within this relative difference count as equal, and the lowest number decides: 2^-28 and
+/// rounding.
 pub const SAME_DISTANCE: f64 = 4e-9;
 
 /// Where a line meets the plane of a triangle, by Cramer's rule in double precision, and the weights of
-/// its second and third corner there.
-fn meet_triangle(ray: &Ray, corners: [Vec3; 3]) -> Option<(f64, [f64; 2])> {
-    let [a, b, c] = corners.map(|p| p.as_dvec3());
+/// its second and third vertex there.
+fn intersect_triangle(ray: &Ray, vertices: [Vec3; 3]) -> Option<(f64, [f64; 2])> {
+    let [a, b, c] = vertices.map(|p| p.as_dvec3());
     let d = ray.direction.as_dvec3();
     let (e1, e2) = (b - a, c - a);
     let p = d.cross(e2);
@@ -29,7 +30,7 @@ fn meet_triangle(ray: &Ray, corners: [Vec3; 3]) -> Option<(f64, [f64; 2])> {
     Some((e2.dot(q) / det, [u, v]))
 }
 
-/// How far a point is inside a triangle, as the least weight of a corner; below 0 outside.
+/// How far a point is inside a triangle, as the least weight of a vertex; below 0 outside.
 fn margin([u, v]: [f64; 2]) -> f64 {
     u.min(v).min(1.0 - u - v)
 }
@@ -44,8 +45,8 @@ pub fn disagreement(
     ray: &Ray,
     hit: Option<Hit>,
 ) -> Option<String> {
-    let certain = triangles.iter().filter_map(|corners| {
-        let (t, weights) = meet_triangle(ray, *corners)?;
+    let certain = triangles.iter().filter_map(|vertices| {
+        let (t, weights) = intersect_triangle(ray, *vertices)?;
         (t > 0.0 && margin(weights) > MARGIN).then_some(t)
     });
     let of_spheres = spheres.iter().filter_map(|sphere| sphere.intersect(ray));
@@ -58,9 +59,11 @@ pub fn disagreement(
         return Some(format!("{t} behind {nearest}: {ray:?}"));
     }
     let is_there = match triangles.get(hit.primitive as usize) {
-        Some(corners) => meet_triangle(ray, *corners).is_some_and(|(expected, weights)| {
+        Some(vertices) => intersect_triangle(ray, *vertices).is_some_and(|(expected, weights)| {
             // Both are worked out from coordinates, whose size counts where the distance is little.
-            let coordinates = corners.iter().fold(ray.origin.abs(), |a, b| a.max(b.abs()));
+            let coordinates = vertices
+                .iter()
+                .fold(ray.origin.abs(), |a, b| a.max(b.abs()));
             let size = coordinates.max_element() / ray.direction.length();
             let error = (t - expected).abs();
             margin(weights) > -MARGIN && error <= 1e-9 * expected + 1e-12 * f64::from(size)
@@ -73,13 +76,13 @@ pub fn disagreement(
     (!is_there).then(|| format!("nothing of {} at {t}: {ray:?}", hit.primitive))
 }
 
-/// The nearest triangle that a ray passes through, where, and the weights of its second and third corner.
+/// The nearest triangle that a ray passes through, where, and the weights of its second and third vertex.
 pub fn nearest_triangle(ray: &Ray, triangles: &[[Vec3; 3]]) -> Option<(usize, f64, [f64; 2])> {
     let met = triangles
         .iter()
         .enumerate()
-        .filter_map(|(number, corners)| {
-            let (t, [u, v]) = meet_triangle(ray, *corners)?;
+        .filter_map(|(number, vertices)| {
+            let (t, [u, v]) = intersect_triangle(ray, *vertices)?;
             (t > 0.0 && margin([u, v]) >= 0.0).then_some((number, t, [u, v]))
         });
     met.min_by(|a, b| a.1.total_cmp(&b.1))

@@ -1,4 +1,4 @@
-//! Lanes in one register.
+//! Lanes in one vector register: eight with AVX2, sixteen with AVX-512.
 #![expect(
     unsafe_code,
     reason = "vector instructions; each block states why it is sound"
@@ -7,16 +7,15 @@
 use super::Floats;
 use std::arch::x86_64::*;
 
-/// A type of lanes in one register. Values exist only inside functions that are compiled for
-/// the instructions and called after the processor was found to have them: every block relies
-/// on that.
+/// Defines lanes in one register. Values exist only inside [`Kernel::run`](super::Kernel::run), compiled for the
+/// instructions and called only where the processor has them: every `unsafe` block relies on that.
 macro_rules! register {
     ($(#[$doc:meta])* $name:ident, $register:ty, $lanes:literal,
      $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $mul_sub:ident,
-     $min:ident, $max:ident, $least:ident, $greatest:ident, |$a:ident, $b:ident| $lt:expr, $le:expr, $zero_below:expr) => {
+     $min:ident, $max:ident, $reduce_min:ident, $reduce_max:ident, |$a:ident, $b:ident| $lt:expr, $le:expr, $zero_below:expr) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
-        pub(in super::super) struct $name($register);
+        pub(super) struct $name($register);
 
         impl Floats<$lanes> for $name {
             #[inline(always)]
@@ -42,14 +41,14 @@ macro_rules! register {
                 $name(unsafe { $add(self.0, other.0) })
             }
             #[inline(always)]
-            fn least(self) -> f32 {
+            fn reduce_min(self) -> f32 {
                 // SAFETY: the instructions are present; see the macro.
-                unsafe { $least(self.0) }
+                unsafe { $reduce_min(self.0) }
             }
             #[inline(always)]
-            fn greatest(self) -> f32 {
+            fn reduce_max(self) -> f32 {
                 // SAFETY: the instructions are present; see the macro.
-                unsafe { $greatest(self.0) }
+                unsafe { $reduce_max(self.0) }
             }
             #[inline(always)]
             fn zero_below(self, threshold: f32) -> Self {
@@ -110,7 +109,7 @@ macro_rules! register {
 
 #[inline]
 #[target_feature(enable = "avx2")]
-fn least(lanes: __m256) -> f32 {
+fn reduce_min(lanes: __m256) -> f32 {
     let lanes = _mm_min_ps(
         _mm256_castps256_ps128(lanes),
         _mm256_extractf128_ps::<1>(lanes),
@@ -121,7 +120,7 @@ fn least(lanes: __m256) -> f32 {
 
 #[inline]
 #[target_feature(enable = "avx2")]
-fn greatest(lanes: __m256) -> f32 {
+fn reduce_max(lanes: __m256) -> f32 {
     let lanes = _mm_max_ps(
         _mm256_castps256_ps128(lanes),
         _mm256_extractf128_ps::<1>(lanes),
@@ -132,20 +131,20 @@ fn greatest(lanes: __m256) -> f32 {
 
 register!(
     /// A 256-bit register, for AVX2 and FMA.
-    Avx2, __m256, 8,
+    Avx2Floats, __m256, 8,
     _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps,
-    _mm256_div_ps, _mm256_sqrt_ps, _mm256_fmsub_ps, _mm256_min_ps, _mm256_max_ps, least, greatest,
+    _mm256_div_ps, _mm256_sqrt_ps, _mm256_fmsub_ps, _mm256_min_ps, _mm256_max_ps, reduce_min, reduce_max,
     |a, b| _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b)) as u32,
     _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b)) as u32,
     {
-        let size = _mm256_andnot_ps(_mm256_set1_ps(-0.0), a);
-        _mm256_andnot_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(size, b), a)
+        let abs = _mm256_andnot_ps(_mm256_set1_ps(-0.0), a);
+        _mm256_andnot_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(abs, b), a)
     }
 );
 
 register!(
     /// A 512-bit register, for AVX-512 F.
-    Avx512, __m512, 16,
+    Avx512Floats, __m512, 16,
     _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps,
     _mm512_div_ps, _mm512_sqrt_ps, _mm512_fmsub_ps, _mm512_min_ps, _mm512_max_ps, _mm512_reduce_min_ps, _mm512_reduce_max_ps,
     |a, b| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b).into(),

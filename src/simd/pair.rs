@@ -1,20 +1,22 @@
-use super::{Avx2, Floats};
+//! Sixteen lanes in two AVX2 registers.
+
+use super::{Avx2Floats, Floats};
 
 /// Two 256-bit registers.
 #[derive(Clone, Copy)]
-pub(in super::super) struct Avx2Pair(Avx2, Avx2);
+pub(super) struct Avx2FloatsPair(Avx2Floats, Avx2Floats);
 
-impl Floats<16> for Avx2Pair {
+impl Floats<16> for Avx2FloatsPair {
     #[inline(always)]
     fn splat(value: f32) -> Self {
-        Avx2Pair(Avx2::splat(value), Avx2::splat(value))
+        Avx2FloatsPair(Avx2Floats::splat(value), Avx2Floats::splat(value))
     }
     #[inline(always)]
     fn load(lanes: &[f32; 16]) -> Self {
         let [low, high] = lanes.as_chunks::<8>().0 else {
             unreachable!()
         };
-        Avx2Pair(Avx2::load(low), Avx2::load(high))
+        Avx2FloatsPair(Avx2Floats::load(low), Avx2Floats::load(high))
     }
     #[inline(always)]
     fn store(self) -> [f32; 16] {
@@ -25,50 +27,50 @@ impl Floats<16> for Avx2Pair {
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Avx2Pair(self.0.add(other.0), self.1.add(other.1))
+        Avx2FloatsPair(self.0.add(other.0), self.1.add(other.1))
     }
     #[inline(always)]
-    fn least(self) -> f32 {
-        self.0.min(self.1).least()
+    fn reduce_min(self) -> f32 {
+        self.0.min(self.1).reduce_min()
     }
     #[inline(always)]
-    fn greatest(self) -> f32 {
-        self.0.max(self.1).greatest()
+    fn reduce_max(self) -> f32 {
+        self.0.max(self.1).reduce_max()
     }
     #[inline(always)]
     fn zero_below(self, threshold: f32) -> Self {
-        Avx2Pair(self.0.zero_below(threshold), self.1.zero_below(threshold))
+        Avx2FloatsPair(self.0.zero_below(threshold), self.1.zero_below(threshold))
     }
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Avx2Pair(self.0.sub(other.0), self.1.sub(other.1))
+        Avx2FloatsPair(self.0.sub(other.0), self.1.sub(other.1))
     }
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Avx2Pair(self.0.mul(other.0), self.1.mul(other.1))
+        Avx2FloatsPair(self.0.mul(other.0), self.1.mul(other.1))
     }
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        Avx2Pair(self.0.div(other.0), self.1.div(other.1))
+        Avx2FloatsPair(self.0.div(other.0), self.1.div(other.1))
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        Avx2Pair(self.0.sqrt(), self.1.sqrt())
+        Avx2FloatsPair(self.0.sqrt(), self.1.sqrt())
     }
     #[inline(always)]
     fn mul_sub(self, factor: Self, other: Self) -> Self {
-        Avx2Pair(
+        Avx2FloatsPair(
             self.0.mul_sub(factor.0, other.0),
             self.1.mul_sub(factor.1, other.1),
         )
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        Avx2Pair(self.0.min(other.0), self.1.min(other.1))
+        Avx2FloatsPair(self.0.min(other.0), self.1.min(other.1))
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        Avx2Pair(self.0.max(other.0), self.1.max(other.1))
+        Avx2FloatsPair(self.0.max(other.0), self.1.max(other.1))
     }
     #[inline(always)]
     fn lt(self, other: Self) -> u32 {

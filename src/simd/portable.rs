@@ -1,13 +1,15 @@
+//! Lanes in an array, without vector instructions.
+
 use super::Floats;
 
-/// Plain code.
+/// `N` lanes in an array.
 #[derive(Clone, Copy)]
-pub(in super::super) struct Portable<const N: usize>([f32; N]);
+pub(super) struct PortableFloats<const N: usize>([f32; N]);
 
-impl<const N: usize> Portable<N> {
+impl<const N: usize> PortableFloats<N> {
     #[inline(always)]
     fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
-        Portable(std::array::from_fn(|i| f(self.0[i], other.0[i])))
+        PortableFloats(std::array::from_fn(|i| f(self.0[i], other.0[i])))
     }
 
     #[inline(always)]
@@ -16,14 +18,14 @@ impl<const N: usize> Portable<N> {
     }
 }
 
-impl<const N: usize> Floats<N> for Portable<N> {
+impl<const N: usize> Floats<N> for PortableFloats<N> {
     #[inline(always)]
     fn splat(value: f32) -> Self {
-        Portable([value; N])
+        PortableFloats([value; N])
     }
     #[inline(always)]
     fn load(lanes: &[f32; N]) -> Self {
-        Portable(*lanes)
+        PortableFloats(*lanes)
     }
     #[inline(always)]
     fn store(self) -> [f32; N] {
@@ -62,11 +64,11 @@ impl<const N: usize> Floats<N> for Portable<N> {
         self.zip(other, |a, b| if a > b { a } else { b })
     }
     #[inline(always)]
-    fn least(self) -> f32 {
+    fn reduce_min(self) -> f32 {
         self.0.into_iter().fold(f32::INFINITY, f32::min)
     }
     #[inline(always)]
-    fn greatest(self) -> f32 {
+    fn reduce_max(self) -> f32 {
         self.0.into_iter().fold(f32::NEG_INFINITY, f32::max)
     }
     #[inline(always)]

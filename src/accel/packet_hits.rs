@@ -1,0 +1,147 @@
+//! The results of a packet query while it traverses the tree.
+
+use super::WIDTH;
+use super::packet_intersector::PacketIntersector;
+use super::query::{DISTANCE_PADDING, record};
+use super::ray_packet::RayPacket;
+use super::rounding::triangle_padding;
+use super::triangle_block::TriangleBlock;
+use super::watertight::ShearedRays;
+use crate::geometry::{Hit, Sphere, TrianglePlane};
+use crate::math::Ray;
+use crate::simd::{Floats, PACKET_WIDTH, SetBits, Simd};
+
+/// From so many rays on, their distances to a triangle's plane are computed for the whole packet at once.
+const MIN_RAYS_FOR_PACKET_PLANES: u32 = 5;
+
+/// The hits of a packet, and the distance up to which each ray still looks: negative if it is done.
+pub(super) struct PacketHits {
+    pub(super) best: [Hit; PACKET_WIDTH],
+    pub(super) limits: [f32; PACKET_WIDTH],
+}
+
+impl PacketHits {
+    #[inline(always)]
+    pub(super) fn new<const ANY_HIT: bool>(packet: &RayPacket) -> PacketHits {
+        let mut hits = PacketHits {
+            best: [Hit::MISS; PACKET_WIDTH],
+            limits: [f32::MAX; PACKET_WIDTH],
+        };
+        for (lane, limit) in hits.limits.iter_mut().enumerate() {
+            if packet.active >> lane & 1 == 0 {
+                *limit = -1.0;
+            } else if ANY_HIT {
+                *limit = packet.t_max[lane] * DISTANCE_PADDING;
+            }
+        }
+        hits
+    }
+
+    /// The largest limit of all rays; negative if all are done.
+    #[inline(always)]
+    pub(super) fn max_limit<S: Simd>(&self) -> f32 {
+        S::F32x16::load(&self.limits).reduce_max()
+    }
+
+    #[inline(always)]
+    fn record<const ANY_HIT: bool>(&mut self, ray: &Ray, lane: usize, t: f64, primitive: u32) {
+        if record::<ANY_HIT>(ray, t, primitive, &mut self.best[lane]) {
+            self.limits[lane] = -1.0;
+        } else if !ANY_HIT {
+            self.limits[lane] = self.best[lane].t as f32 * DISTANCE_PADDING;
+        }
+    }
+
+    /// Intersects the rays of a mask with a sphere.
+    #[inline(always)]
+    pub(super) fn intersect_sphere<S: Simd, const ANY_HIT: bool>(
+        &mut self,
+        sphere: &Sphere,
+        primitive: u32,
+        rays: &PacketIntersector<'_, S::F32x16>,
+        active: u32,
+    ) {
+        let active = active & rays.lines_through(sphere);
+        for lane in SetBits(active) {
+            let ray = rays.packet.ray(lane);
+            if let Some(t) = sphere.intersect(&ray) {
+                self.record::<ANY_HIT>(&ray, lane, t, primitive);
+            }
+        }
+    }
+
+    /// Intersects the rays of a mask with the triangles of a mask, one triangle after the other; returns
+    /// whether a limit may have changed.
+    #[inline(always)]
+    pub(super) fn intersect_block<S: Simd, const ANY_HIT: bool>(
+        &mut self,
+        block: &TriangleBlock,
+        mut triangles: u32,
+        rays: &PacketIntersector<'_, S::F32x16>,
+        active: u32,
+    ) -> bool {
+        let mut changed = false;
+        let origin_magnitude = rays.origin_magnitude.store();
+        while triangles != 0 {
+            let triangle = triangles.trailing_zeros() as usize % WIDTH;
+            triangles &= triangles - 1;
+            let primitive = block.ids()[triangle];
+            let vertices = block.splat_triangle::<S::F32x16, PACKET_WIDTH>(triangle, rays.axes);
+            let limits = S::F32x16::load(&self.limits);
+            let passed = active & rays.sheared.intersect(&vertices, limits);
+            if passed == 0 {
+                continue;
+            }
+            changed = true;
+            let plane = TrianglePlane::through(block.triangle(triangle));
+            let of_packet = if passed.count_ones() >= MIN_RAYS_FOR_PACKET_PLANES {
+                Some(rays.intersect_planes(&plane))
+            } else {
+                None
+            };
+            for lane in SetBits(passed) {
+                let (mut t, outside) = match &of_packet {
+                    Some((distances, outside)) => (distances[lane], outside[lane]),
+                    None => rays.intersect_plane(&plane, lane),
+                };
+                let magnitude = f64::from(origin_magnitude[lane]);
+                // False for NaN.
+                let is_inside = outside <= triangle_padding(magnitude);
+                if !is_inside {
+                    let (origin, direction) = rays.line(lane);
+                    let padding = triangle_padding(magnitude + plane.magnitude());
+                    t = plane.distance_in_box(origin, direction, padding, t);
+                }
+                self.record::<ANY_HIT>(&rays.packet.ray(lane), lane, t, primitive);
+            }
+        }
+        changed
+    }
+
+    /// As [`PacketHits::intersect_block`], with all triangles, one ray after the other.
+    #[inline(always)]
+    pub(super) fn intersect_block_by_ray<S: Simd, const ANY_HIT: bool>(
+        &mut self,
+        block: &TriangleBlock,
+        rays: &PacketIntersector<'_, S::F32x16>,
+        active: u32,
+    ) -> bool {
+        let mut changed = false;
+        let (axes, magnitude) = (rays.axes, rays.scene_magnitude);
+        for lane in SetBits(active) {
+            let ray = &rays.packet.ray(lane);
+            if self.limits[lane] < 0.0 {
+                continue;
+            }
+            let sheared = ShearedRays::<S::F32x8>::splat(ray, axes, magnitude);
+            let before = self.best[lane];
+            if block.intersect::<_, ANY_HIT>(ray, axes, &sheared, &mut self.best[lane]) {
+                self.limits[lane] = -1.0;
+            } else if !ANY_HIT {
+                self.limits[lane] = self.best[lane].t as f32 * DISTANCE_PADDING;
+            }
+            changed |= before != self.best[lane];
+        }
+        changed
+    }
+}

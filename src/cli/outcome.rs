@@ -1,0 +1,55 @@
+//! How a command ends, and what it says: exit status, errors, results and warnings.
+
+use std::fmt;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// The exit status of the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Status {
+    /// Success.
+    Done = 0,
+    /// The self-test failed: this machine or this build computes wrong values.
+    SelfTestFailed = 1,
+    /// Wrong input or usage: trying again cannot help.
+    BadInput = 2,
+    /// Some frames failed or are not verified: rendering again may help.
+    SomeFailed = 3,
+    /// Interrupted: the same command continues. It is EX_TEMPFAIL of sysexits.h.
+    Interrupted = 75,
+}
+
+/// Any error that ends a command before its work.
+pub(super) type Failure = Box<dyn std::error::Error>;
+
+/// Whether the reader of the output has closed it, as `head` does.
+pub(super) fn is_unread(error: &Failure) -> bool {
+    let error = error.downcast_ref::<io::Error>();
+    error.is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+}
+
+/// Refuses to write over a file, unless that is forced.
+pub(super) fn keep(file: &Path, force: bool) -> Result<(), Failure> {
+    if file.exists() && !force {
+        let file = file.display();
+        return Err(format!("{file}: is there already; use another name, or --force").into());
+    }
+    Ok(())
+}
+
+/// Names the file of a write that failed.
+pub(super) fn written(file: &Path, result: io::Result<()>) -> Result<(), Failure> {
+    result.map_err(|error| format!("{}: cannot be written: {error}", file.display()).into())
+}
+
+/// Prints a line of a result. Where the exit status says what matters, nobody has to read it: that nobody does is no
+/// error.
+pub(super) fn say(line: fmt::Arguments) {
+    let _ = writeln!(io::stdout(), "{line}");
+}
+
+pub(super) fn warn(warnings: &[String]) {
+    for warning in warnings {
+        eprintln!("warning: {warning}");
+    }
+}

@@ -1,0 +1,246 @@
+//! A job resolved: inputs loaded, settings complete, and what its frames are made from known.
+
+use super::cache::{CacheSource, CacheStore};
+use super::error::JobError;
+use super::identity::{BUILD, SequenceInputs};
+use super::inputs::Inputs;
+use super::options::JobOptions;
+use super::spec::Spec;
+use crate::bake::{Baked, Listener};
+use crate::forecast::Workload;
+use crate::frames::{FrameFolder, SequenceRecord};
+use crate::input::{GlobalIllumination, Mode, Settings};
+use crate::integrator::IntegratorSettings;
+use crate::render::{
+    FrameSink, Outcome, PixelSampling, RenderSettings, Renderer, SequenceObserver,
+};
+use std::path::{Path, PathBuf};
+
+/// A job resolved: all that decides the frames of a sequence.
+#[derive(Debug)]
+pub struct Job {
+    spec: Spec,
+    inputs: Inputs,
+    settings: RenderSettings,
+    exposure: f32,
+    accepted_builds: Vec<String>,
+    /// The irradiance cache until it is baked; none if nothing is looked up.
+    source: Option<CacheSource>,
+    /// Hashes of the paths for which the cache is baked.
+    cache_paths: Option<Vec<String>>,
+    baked: Option<Baked>,
+}
+
+impl Job {
+    /// Loads and resolves a job. `folder` is that of its frames, if there is one: it keeps the irradiance cache if the
+    /// spec names none.
+    pub fn new(spec: Spec, folder: Option<&Path>, options: &JobOptions) -> Result<Job, JobError> {
+        let is_preview = spec.preview;
+        let settings = |given: Settings| if is_preview { given.preview() } else { given };
+        Job::resolve(spec, folder, options, settings)
+    }
+
+    /// The job of baking the irradiance cache that the spec names, whether or not its settings use one.
+    pub fn for_bake(spec: Spec, options: &JobOptions) -> Result<Job, JobError> {
+        let settings = |given: Settings| Settings {
+            mode: given.mode.or(Some(Mode::Montecarlo)),
+            gi: Some(GlobalIllumination::Cached),
+            ..given
+        };
+        Job::resolve(spec, None, options, settings)
+    }
+
+    fn resolve(
+        spec: Spec,
+        folder: Option<&Path>,
+        options: &JobOptions,
+        adjust: impl FnOnce(Settings) -> Settings,
+    ) -> Result<Job, JobError> {
+        spec.settings.check().map_err(JobError::Setting)?;
+        let inputs = Inputs::load(&spec.scene, &spec.path, options.threads)?;
+        let given = adjust(inputs.settings(spec.settings.clone()));
+        given.check_together()?;
+        let settings = given.resolve(inputs.frame_count());
+        let source = cache_source(&spec, folder, &inputs, &settings, options)?;
+        if spec.error_maps && !settings.has_noise() {
+            let advice = match source {
+                Some(_) => "take more camera samples, or --gi path-traced",
+                None => "choose a montecarlo mode",
+            };
+            return Err(JobError::NoNoise { advice });
+        }
+        Ok(Job {
+            cache_paths: source.as_ref().map(CacheSource::paths),
+            exposure: given.exposure.unwrap_or(0.0),
+            accepted_builds: options.accepted_builds.clone(),
+            baked: None,
+            spec,
+            inputs,
+            settings,
+            source,
+        })
+    }
+
+    /// The job by which the frames of a folder were asked for, with its inputs as they are now. `scene` and `path` say
+    /// where these are, if they are no longer where they were.
+    pub fn of_folder(
+        folder: &FrameFolder,
+        scene: Option<PathBuf>,
+        path: Option<PathBuf>,
+        options: &JobOptions,
+    ) -> Result<Job, JobError> {
+        let mut spec = Spec::of_folder(folder)?;
+        spec.scene = scene.unwrap_or(spec.scene);
+        spec.path = path.unwrap_or(spec.path);
+        let mut options = options.clone();
+        let accepted = &folder.sequence().accepted_builds;
+        options.accepted_builds.extend(accepted.iter().cloned());
+        Job::new(spec, Some(folder.path()), &options)
+    }
+
+    /// Scene, camera path and threads.
+    pub fn inputs(&self) -> &Inputs {
+        &self.inputs
+    }
+
+    /// The settings of its frames.
+    pub fn settings(&self) -> &RenderSettings {
+        &self.settings
+    }
+
+    /// Frames of the path.
+    pub fn frame_count(&self) -> u32 {
+        self.inputs.frame_count()
+    }
+
+    /// Gives each pixel so many camera samples, now and when the job is read from its folder.
+    pub fn take_samples(&mut self, samples: u32) {
+        self.settings.sampling = PixelSampling::Spread(samples);
+        self.spec.settings.samples = Some(samples);
+    }
+
+    /// Gives each pixel these camera samples, where they were not chosen for good.
+    pub(super) fn set_sampling(&mut self, sampling: PixelSampling) {
+        self.settings.sampling = sampling;
+        self.spec.settings.samples = None;
+    }
+
+    /// Bakes the irradiance cache if frames need one and it is not there yet. Returns what came of it, once.
+    pub fn bake(&mut self, listener: Listener) -> Result<Option<BakeOutcome<'_>>, JobError> {
+        let Some(source) = self.source.take() else {
+            return Ok(None);
+        };
+        let was_complete = source.is_complete(&self.settings);
+        let baked = source.bake(&self.inputs, &self.settings, listener)?;
+        let baked = self.baked.insert(baked);
+        Ok(Some(BakeOutcome {
+            baked,
+            was_complete,
+        }))
+    }
+
+    /// What its frames are to be, for the folder that keeps them.
+    pub fn sequence(&self, folder: &Path) -> Result<SequenceRecord, JobError> {
+        let timeline = self.inputs.path.path.timeline();
+        let all = SequenceInputs {
+            inputs: &self.inputs,
+            settings: &self.settings,
+            exposure: self.exposure,
+            format: self.spec.format,
+            cache_paths: self.cache_paths.as_deref(),
+        };
+        Ok(SequenceRecord {
+            build: BUILD.to_owned(),
+            accepted_builds: self.accepted_builds.clone(),
+            job: self.spec.for_folder(folder)?,
+            fps: timeline.fps,
+            frames: timeline.frame_count(),
+            width: self.settings.width,
+            height: self.settings.height,
+            format: self.spec.format,
+            exposure: self.exposure,
+            error_maps: self.spec.error_maps,
+            irradiance_cache: self.cache_paths.is_some(),
+            input_hashes: all.hashes(),
+        })
+    }
+
+    /// What renders its frames; the irradiance cache is baked.
+    fn renderer(&self) -> Renderer<'_> {
+        let cache = self.baked.as_ref().map(|baked| &baked.cache);
+        let errors = self.baked.as_ref().map_or(&[][..], |baked| &baked.errors);
+        Renderer::new(&self.inputs.scene.scene, self.settings.clone(), cache)
+            .expect("frames that look light up have a baked cache")
+            .with_cache_errors(errors)
+    }
+
+    /// Renders frames for a sink. The irradiance cache is baked.
+    pub fn render<Sink: FrameSink>(
+        &self,
+        frames: &[u32],
+        sink: &Sink,
+        observer: &dyn SequenceObserver,
+    ) -> Outcome {
+        let path = &self.inputs.path.path;
+        self.renderer()
+            .render_sequence(path, frames, &self.inputs.pool, sink, observer)
+    }
+
+    /// What an estimate renders frames of. The irradiance cache is baked.
+    pub(super) fn workload<'a>(&'a self, sequence: &'a SequenceRecord) -> Workload<'a> {
+        Workload {
+            renderer: self.renderer(),
+            path: &self.inputs.path.path,
+            pool: &self.inputs.pool,
+            sequence,
+        }
+    }
+}
+
+/// An irradiance cache that frames can use now.
+#[derive(Debug)]
+pub struct BakeOutcome<'a> {
+    /// The cache and its errors.
+    pub baked: &'a Baked,
+    /// Whether it was read, with nothing left to bake.
+    pub was_complete: bool,
+}
+
+/// Opens a folder whose frames are of this build, or of one that is accepted.
+pub fn open_folder(folder: &Path, accepted_builds: &[String]) -> Result<FrameFolder, JobError> {
+    let there = FrameFolder::open(folder)?;
+    let sequence = SequenceRecord {
+        accepted_builds: [&there.sequence().accepted_builds, accepted_builds].concat(),
+        ..there.sequence().clone()
+    };
+    match sequence.accepts(BUILD) || accepted_builds.contains(&sequence.build) {
+        true => Ok(FrameFolder::new(folder, sequence, false)),
+        false => Err(JobError::OtherBuild {
+            folder: folder.to_owned(),
+            theirs: sequence.build,
+            ours: BUILD,
+        }),
+    }
+}
+
+/// Where the irradiance cache is kept that frames need; none if they look nothing up.
+fn cache_source(
+    spec: &Spec,
+    folder: Option<&Path>,
+    inputs: &Inputs,
+    settings: &RenderSettings,
+    options: &JobOptions,
+) -> Result<Option<CacheSource>, JobError> {
+    if !matches!(settings.integrator, IntegratorSettings::Cached { .. }) {
+        return match spec.irradiance_cache {
+            Some(_) => Err(JobError::UnusedCache),
+            None => Ok(None),
+        };
+    }
+    let store = match (&spec.irradiance_cache, folder) {
+        (Some(file), _) => CacheStore::Shared(file.clone()),
+        (None, Some(folder)) => CacheStore::Own(folder.join("irradiance.cache")),
+        (None, None) => CacheStore::Memory,
+    };
+    CacheSource::open(store, inputs, settings, options).map(Some)
+}

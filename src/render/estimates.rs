@@ -1,0 +1,90 @@
+//! The values of a frame's points, refined pass by pass.
+
+use super::grid::Grid;
+use super::observer::FrameObserver;
+use super::sampler::{Sampler, Work};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// The points of a tile that were sampled, and their means, half buffer by half buffer.
+struct RefinedTile {
+    points: Vec<(u32, u32)>,
+    means: Vec<Vec3>,
+    rays: u64,
+    non_finite: u64,
+}
+
+/// The values of a frame's points so far.
+pub(super) struct Estimates {
+    /// The mean of each point, half buffer by half buffer.
+    pub(super) values: Vec<Vec3>,
+    /// How many passes each point has.
+    pub(super) passes: Vec<u32>,
+    pub(super) rays: u64,
+    pub(super) non_finite: u64,
+}
+
+impl Estimates {
+    pub(super) fn new(grid: Grid, sampler: &Sampler) -> Estimates {
+        Estimates {
+            values: vec![Vec3::ZERO; grid.len() * sampler.half_buffers],
+            passes: vec![0; grid.len()],
+            rays: 0,
+            non_finite: 0,
+        }
+    }
+
+    /// Samples each point until it has `wanted` passes, given by its index; tile by tile in parallel. Once the observer
+    /// stops, further tiles are not sampled.
+    pub(super) fn refine(
+        &mut self,
+        grid: Grid,
+        sampler: &Sampler,
+        wanted: impl Fn(usize) -> u32 + Sync,
+        observer: &dyn FrameObserver,
+    ) {
+        let taken = &self.passes;
+        let passes = |point| {
+            let number = grid.number(point);
+            (taken[number], wanted(number))
+        };
+        let refined: Vec<RefinedTile> = (0..grid.tiles())
+            .into_par_iter()
+            .map(|tile| {
+                let mut points = grid.tile_points(tile);
+                let stopped = observer.is_stopped();
+                points.retain(|&point| {
+                    let (before, now) = passes(point);
+                    now > before && !stopped
+                });
+                let mut work = Work::default();
+                let means = sampler.means(&points, passes, &mut work);
+                observer.tile_done(work.traversal.rays);
+                RefinedTile {
+                    points,
+                    means,
+                    rays: work.traversal.rays,
+                    non_finite: work.non_finite,
+                }
+            })
+            .collect();
+        for tile in refined {
+            for (&point, means) in tile
+                .points
+                .iter()
+                .zip(tile.means.chunks(sampler.half_buffers))
+            {
+                let number = grid.number(point);
+                let (before, now) = (self.passes[number], wanted(number));
+                let fraction = (now - before) as f32 / now as f32;
+                let values = &mut self.values[number * sampler.half_buffers..];
+                for (value, mean) in values.iter_mut().zip(means) {
+                    *value += fraction * (mean - *value);
+                }
+                self.passes[number] = now;
+            }
+            self.rays += tile.rays;
+            self.non_finite += tile.non_finite;
+        }
+    }
+}

@@ -1,8 +1,9 @@
 //! Indirect diffuse light from the irradiance cache, with a final gather where no record is near.
 
+use super::camera_sample::CameraSample;
 use super::final_gather::{FinalGather, GatherPoint, gather_for};
+use super::hit_surfaces::ambient;
 use super::whitted::Wavefront;
-use super::{CameraSample, ambient};
 use crate::accel::Traversal;
 use crate::irradiance_cache::IrradianceCache;
 use crate::material::Features;

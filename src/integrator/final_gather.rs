@@ -1,6 +1,6 @@
 //! Final gathering: the indirect light at a point by paths over its hemisphere (Reichert 1992; Jensen 2001).
 
-use super::for_each_feature_set;
+use super::feature_sets::for_each_feature_set;
 use super::light_sampler::LightSampler;
 use super::path_state::{PathState, Technique};
 use super::path_tracer::PathTracer;

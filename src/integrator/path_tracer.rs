@@ -1,10 +1,11 @@
 //! Path tracing with splitting (Kajiya 1986, "The Rendering Equation"), wavefront by wavefront, with light-guided
 //! directions by multiple importance sampling (Veach 1997).
 
+use super::camera_sample::CameraSample;
 use super::direct::{LightContribution, direct_lighting_incoherent};
+use super::hit_surfaces::{ambient, reflect, surfaces};
 use super::light_sampler::LightSampler;
 use super::path_state::{PathState, Technique};
-use super::{CameraSample, ambient, reflect, surfaces};
 use crate::accel::Traversal;
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::Features;

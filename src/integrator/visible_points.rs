@@ -1,6 +1,7 @@
 //! The diffuse surfaces that the camera sees, directly and in mirrors: where an irradiance cache needs records.
 
-use super::{coherent_surfaces, for_each_feature_set, reflect};
+use super::feature_sets::for_each_feature_set;
+use super::hit_surfaces::{coherent_surfaces, reflect};
 use crate::accel::Traversal;
 use crate::material::{FeatureSet, Features};
 use crate::math::Ray;

@@ -2,7 +2,7 @@
 //! wavefront of reflected rays after the other.
 
 use super::direct::direct_lighting_coherent;
-use super::{ambient, coherent_surfaces, reflect};
+use super::hit_surfaces::{ambient, coherent_surfaces, reflect};
 use crate::accel::Traversal;
 use crate::material::Features;
 use crate::math::Ray;

@@ -18,6 +18,7 @@ mod sampler;
 mod sequence;
 mod settings;
 mod sink;
+mod sink_error;
 
 pub use error_estimate::ErrorEstimate;
 pub use flicker::Flicker;
@@ -27,4 +28,5 @@ pub use renderer::Renderer;
 pub use reprojection::{Match, Reprojection, TILE};
 pub use sequence::Outcome;
 pub use settings::{PixelSampling, RenderSettings};
-pub use sink::{Claim, EncodedFrame, FrameSink, SinkError};
+pub use sink::{Claim, EncodedFrame, FrameSink};
+pub use sink_error::SinkError;

@@ -1,6 +1,6 @@
 //! Observers of frames and sequences that are being rendered: progress and cancellation.
 
-use super::SinkError;
+use super::sink_error::SinkError;
 
 /// Follows the rendering of a frame, from several threads, and may stop it.
 pub trait FrameObserver: Sync {

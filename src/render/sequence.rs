@@ -3,7 +3,8 @@
 use super::error_estimate::ErrorEstimate;
 use super::observer::{FrameObserver, SequenceObserver};
 use super::renderer::Renderer;
-use super::sink::{Claim, EncodedFrame, FrameSink, SinkError};
+use super::sink::{Claim, EncodedFrame, FrameSink};
+use super::sink_error::SinkError;
 use crate::camera::CameraPath;
 use std::any::Any;
 use std::collections::VecDeque;

@@ -1,9 +1,7 @@
 //! Where finished frames go: claimed, encoded, kept.
 
 use super::frame::RenderedFrame;
-
-/// Why a frame could not be kept.
-pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
+use super::sink_error::SinkError;
 
 /// Takes finished frames, from several threads and in no fixed order.
 pub trait FrameSink: Sync {

@@ -1,7 +1,8 @@
 //! The irradiance cache of the sequence, baked once for all techniques that use it.
 
+use super::inputs::{Inputs, pixels};
+use super::progress::Progress;
 use super::seconds::Seconds;
-use super::{Inputs, Progress, pixels};
 use crate::bake::{Baked, bake};
 use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::render::{RenderSettings, Renderer};

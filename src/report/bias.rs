@@ -1,9 +1,10 @@
 //! Bias of techniques, by unbiased oracle estimates at pixels of a few frames.
 
 use super::baked_cache::BakedCache;
+use super::inputs::Inputs;
 use super::measure::renderer;
+use super::progress::Progress;
 use super::technique::Technique;
-use super::{Inputs, Progress};
 use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::metrics::{BiasCheck, Estimate, HeldOutPixel};
 use crate::render::Renderer;

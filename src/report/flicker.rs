@@ -2,8 +2,9 @@
 //! reprojection.
 
 use super::baked_cache::BakedCache;
+use super::inputs::Inputs;
+use super::progress::Progress;
 use super::technique::WITHOUT_PATHS;
-use super::{Inputs, Progress};
 use crate::film::Film;
 use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::metrics::{Estimate, mean};

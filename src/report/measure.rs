@@ -1,9 +1,10 @@
 //! Time and error of a technique against the references.
 
 use super::baked_cache::BakedCache;
+use super::inputs::{Inputs, pixels};
+use super::progress::Progress;
 use super::seconds::Seconds;
 use super::technique::Technique;
-use super::{Inputs, Progress, pixels};
 use crate::film::Film;
 use crate::input::Settings;
 use crate::metrics::{Difference, Estimate, Reference, mean};

@@ -1,6 +1,10 @@
 //! The pictures of a report: charts of error and flicker, and strips of pictures beside their errors.
 
-use super::{FlickerRow, Inputs, Measurement, ReportError, flicker};
+use super::advice::TARGETS;
+use super::error::ReportError;
+use super::flicker::{self, FlickerRow};
+use super::inputs::Inputs;
+use super::measure::Measurement;
 use crate::drawing::chart::{Axis, Chart, Point, Series};
 use crate::film::Film;
 use crate::metrics::{Reference, heat_map, relative_errors};
@@ -40,7 +44,7 @@ pub(super) fn curves(inputs: &Inputs, measurements: &[Measurement]) -> Chart {
             logarithmic: true,
         },
         series,
-        guides: super::TARGETS.to_vec(),
+        guides: TARGETS.to_vec(),
         size: (1080, 600),
     }
 }
@@ -101,4 +105,13 @@ pub(super) fn strip(
     let written = strip.write_to(&mut bytes, ImageFormat::Png);
     written.map_err(|error| ReportError::Encoding(io::Error::other(error)))?;
     Ok(bytes.into_inner())
+}
+
+/// The file of a curve's strip.
+pub(super) fn strip_of(curve: &str) -> String {
+    let letter = |c: char| if c.is_alphanumeric() { c } else { '_' };
+    format!(
+        "strips/{}.png",
+        curve.chars().map(letter).collect::<String>()
+    )
 }

@@ -1,6 +1,5 @@
 //! The progress of a report, in paths traced.
 
-use super::{Inputs, TINY, Technique, baked_cache, bias, flicker, pixels, reference};
 use crate::bake;
 
 /// Is called with the progress, from 0 to 1, and what is done.
@@ -16,15 +15,11 @@ pub(super) struct Progress<'a> {
 }
 
 impl Progress<'_> {
-    /// Of a report on so many techniques.
-    pub(super) fn new<'a>(
-        inputs: &Inputs,
-        techniques: &[Technique],
-        listener: Listener<'a>,
-    ) -> Progress<'a> {
+    /// Of a report that traces so many paths in all.
+    pub(super) fn new(all: f64, listener: Listener<'_>) -> Progress<'_> {
         Progress {
             done: 0.0,
-            all: work(inputs, techniques),
+            all,
             what: "",
             listener,
         }
@@ -52,23 +47,4 @@ impl Progress<'_> {
     fn tell(&self, done: f64, what: &str) {
         (self.listener)((done / self.all).min(1.0), what);
     }
-}
-
-/// About how many paths the whole report traces.
-fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
-    let usual = pixels(inputs.size) * inputs.frames.len() as f64;
-    let of_technique = |technique: &Technique| {
-        let pixels = if technique.is_tiny {
-            pixels(TINY)
-        } else {
-            usual
-        };
-        technique.paths() * pixels * f64::from(inputs.seeds)
-    };
-    techniques.iter().map(of_technique).sum::<f64>()
-        + reference::work(inputs, false) * usual
-        + reference::work(inputs, true) * pixels(TINY)
-        + baked_cache::work(inputs)
-        + bias::work(inputs, techniques)
-        + flicker::work(inputs.path.timeline().frame_count())
 }

@@ -1,12 +1,26 @@
 //! References of the frames that are measured: made once, and kept in the folder of the report.
 
-use super::{Inputs, Progress, ReferenceRow, ReportError, TINY};
+use super::error::ReportError;
+use super::inputs::{Inputs, TINY};
+use super::progress::Progress;
 use crate::frames::{decode_exr, encode_exr, note_of_exr};
 use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Settings};
 use crate::metrics::Reference;
 use crate::render::{RenderSettings, Renderer};
 use crate::storage::write_atomic;
+use serde::Serialize;
 use std::fs;
+
+/// The quality of a reference.
+#[derive(Debug, Serialize)]
+pub struct ReferenceRow {
+    /// Columns and rows.
+    pub size: (u32, u32),
+    /// The frame.
+    pub frame: u32,
+    /// The estimated relMSE of the reference itself.
+    pub relative_square_error: f64,
+}
 
 /// Far from the seeds of what is measured, so that the noise is independent.
 const SEED: u32 = 1 << 24;

@@ -1,8 +1,12 @@
 //! The texts of a report: CSV, JSON and Markdown.
 
+use super::baked_cache::BakeCost;
 use super::bias::ORACLE_PATHS;
+use super::error::ReportError;
+use super::findings::Report;
 use super::flicker::PATHS;
-use super::{BakeCost, Measurement, Report, ReportError, strip_of};
+use super::measure::Measurement;
+use super::pictures::strip_of;
 use std::fmt::Write;
 use std::io;
 

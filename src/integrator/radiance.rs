@@ -1,0 +1,189 @@
+//! The integrator of a scene: the radiance along camera rays by one of three methods.
+
+use super::cached::CachedIrradiance;
+use super::camera_sample::CameraSample;
+use super::direct::direct_lighting_coherent;
+use super::feature_sets::for_each_feature_set;
+use super::final_gather::FinalGather;
+use super::hit_surfaces::{ambient, coherent_surfaces};
+use super::light_sampler::LightSampler;
+use super::path_tracer::PathTracer;
+use super::settings::IntegratorSettings;
+use super::whitted::{self, Wavefront};
+use crate::accel::Traversal;
+use crate::irradiance_cache::IrradianceCache;
+use crate::material::{FeatureSet, Features};
+use crate::math::Ray;
+use crate::scene::Scene;
+use glam::Vec3;
+use std::marker::PhantomData;
+use thiserror::Error;
+
+/// Computes the radiance along camera rays of one scene.
+///
+/// Building one may trace rays to find the lights that guide paths: build it once for a sequence.
+#[derive(Clone, Debug)]
+pub struct Integrator<'a> {
+    scene: &'a Scene,
+    method: Method<'a>,
+}
+
+#[derive(Clone, Debug)]
+enum Method<'a> {
+    Whitted {
+        bounces: u32,
+    },
+    PathTraced {
+        bounces: u32,
+        splits: Vec<u32>,
+        light_sampler: LightSampler<'a>,
+    },
+    Cached {
+        cache: &'a IrradianceCache,
+        final_gather: FinalGather<'a>,
+    },
+}
+
+/// Why settings and irradiance cache make no integrator.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+pub enum IntegratorError {
+    /// The settings need an irradiance cache, and there is none.
+    #[error(
+        "the integrator is cached, but there is no irradiance cache: bake one, or use path tracing"
+    )]
+    MissingCache,
+    /// The cache has the light of paths of another length.
+    #[error(
+        "the irradiance cache is of {cache} bounces, the integrator of {settings}: bake another one"
+    )]
+    OtherBounces {
+        /// Bounces of the cache.
+        cache: u32,
+        /// Bounces of the settings.
+        settings: u32,
+    },
+}
+
+impl<'a> Integrator<'a> {
+    /// The integrator of the settings. `cache` is the scene's irradiance cache; only cached light needs it, others
+    /// ignore it.
+    pub fn new(
+        scene: &'a Scene,
+        settings: &IntegratorSettings,
+        cache: Option<&'a IrradianceCache>,
+    ) -> Result<Integrator<'a>, IntegratorError> {
+        let method = match settings {
+            IntegratorSettings::Whitted { bounces } => Method::Whitted { bounces: *bounces },
+            IntegratorSettings::PathTraced { bounces, splits } => Method::PathTraced {
+                bounces: *bounces,
+                splits: splits.clone(),
+                light_sampler: LightSampler::new(scene),
+            },
+            IntegratorSettings::Cached { bounces } => {
+                let cache = cache.ok_or(IntegratorError::MissingCache)?;
+                if cache.bounces() != *bounces {
+                    return Err(IntegratorError::OtherBounces {
+                        cache: cache.bounces(),
+                        settings: *bounces,
+                    });
+                }
+                Method::Cached {
+                    cache,
+                    final_gather: FinalGather::new(scene),
+                }
+            }
+        };
+        Ok(Integrator { scene, method })
+    }
+
+    /// The scene whose light it computes.
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    /// How many paths continue from each diffuse bounce, the first bounce first; none unless light is path traced.
+    pub(crate) fn splits(&self) -> &[u32] {
+        match &self.method {
+            Method::PathTraced { splits, .. } => splits,
+            Method::Whitted { .. } | Method::Cached { .. } => &[],
+        }
+    }
+
+    /// The same integrator with half of the paths, rounded up, from the first diffuse bounce. Itself if it does not
+    /// split.
+    pub(crate) fn with_half_the_paths(mut self) -> Integrator<'a> {
+        if let Method::PathTraced { splits, .. } = &mut self.method
+            && let Some(first) = splits.first_mut()
+        {
+            *first = first.div_ceil(2);
+        }
+        self
+    }
+
+    /// The radiance along each of the camera rays. The result of a ray does not depend on the others; coherent rays
+    /// are faster.
+    pub fn radiance(
+        &self,
+        samples: &[CameraSample],
+        traversal: &mut Traversal,
+        radiance: &mut [Vec3],
+    ) {
+        RADIANCE[self.scene.features().number()](self, samples, traversal, radiance);
+    }
+}
+
+type RadianceFor = fn(&Integrator, &[CameraSample], &mut Traversal, &mut [Vec3]);
+
+/// [`Integrator::radiance`] for each set of features.
+static RADIANCE: [RadianceFor; FeatureSet::COUNT] = for_each_feature_set!(radiance_for);
+
+fn radiance_for<F: Features>(
+    integrator: &Integrator,
+    samples: &[CameraSample],
+    traversal: &mut Traversal,
+    radiance: &mut [Vec3],
+) {
+    let scene = integrator.scene;
+    let rays: Vec<Ray> = samples.iter().map(|sample| sample.ray).collect();
+    let surfaces = coherent_surfaces::<F>(scene, &rays, traversal);
+    let direct = direct_lighting_coherent::<F>(scene, &surfaces, &rays, traversal);
+    match &integrator.method {
+        Method::Whitted { bounces } => {
+            let ambient = ambient(scene);
+            let indirect =
+                |wavefront: &Wavefront, _: &mut Traversal| vec![ambient; wavefront.surfaces.len()];
+            let first = Wavefront::of_camera(rays, surfaces, direct, *bounces);
+            whitted::radiance::<F>(scene, first, indirect, traversal, radiance);
+        }
+        Method::Cached {
+            cache,
+            final_gather,
+        } => {
+            let cached = CachedIrradiance {
+                cache,
+                final_gather,
+                samples,
+            };
+            let indirect = |wavefront: &Wavefront, traversal: &mut Traversal| {
+                cached.indirect::<F>(wavefront, traversal)
+            };
+            let first = Wavefront::of_camera(rays, surfaces, direct, cache.bounces());
+            whitted::radiance::<F>(scene, first, indirect, traversal, radiance);
+        }
+        Method::PathTraced {
+            bounces,
+            splits,
+            light_sampler,
+        } => {
+            let mut path_tracer = PathTracer::<F> {
+                light_sampler,
+                bounces: *bounces,
+                splits,
+                cache: None,
+                traversal,
+                features: PhantomData,
+            };
+            path_tracer.camera_radiance(samples, &surfaces, &direct, radiance);
+        }
+    }
+}

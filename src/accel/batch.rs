@@ -1,10 +1,11 @@
 //! Queries of many rays: coherent rays in packets as they come, incoherent rays one by one or, where there is
 //! no tree, gathered into packets.
 
+use super::bvh::Bvh;
 use super::ray_packet::RayPacket;
+use super::traversal::Traversal;
 use super::traverse_packet::TraversePacket;
 use super::watertight::permuted_axes;
-use super::{Bvh, Traversal};
 use crate::geometry::Hit;
 use crate::math::Ray;
 use crate::simd::{ALL_LANES, PACKET_WIDTH};

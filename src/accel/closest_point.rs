@@ -1,6 +1,6 @@
 //! The closest-point query: the distance from a point to the nearest surface.
 
-use super::Bvh;
+use super::bvh::Bvh;
 use super::node::{Child, ROOT};
 use crate::geometry::distance_to_triangle;
 use glam::DVec3;

@@ -2,9 +2,15 @@
 //! finds.
 #![allow(clippy::print_stdout, reason = "the seed of a failure is shown")]
 
-use super::*;
+use super::bvh::Bvh;
+use super::ray_packet::RayPacket;
+use super::traversal::Traversal;
+use crate::geometry::{Hit, Sphere};
+use crate::math::Ray;
 use crate::sampling::Random;
+use crate::simd::Kernel;
 use crate::simd::PACKET_WIDTH;
+use glam::Vec3;
 use glam::Vec3Swizzles;
 
 /// Numbers from a fuzzer's bytes, and random numbers after they are used up.

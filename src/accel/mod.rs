@@ -44,7 +44,9 @@
 mod batch;
 mod brute_force;
 mod build;
+mod bvh;
 mod closest_point;
+mod limits;
 mod node;
 mod packet_hits;
 mod packet_intersector;
@@ -52,107 +54,20 @@ mod packet_interval;
 mod query;
 mod ray_packet;
 mod rounding;
+mod single_rays;
 mod stack;
+mod traversal;
 mod traverse;
 mod traverse_packet;
 mod triangle_block;
 mod validate;
 mod watertight;
 
-use crate::geometry::{Hit, Sphere};
-use crate::math::{Aabb, Ray};
-use crate::simd::Kernel;
-use glam::Vec3;
-use node::Node;
-use stack::{PacketStack, Stack};
-use traverse::Traverse;
-use triangle_block::TriangleBlock;
-
 pub use brute_force::{SAME_DISTANCE, disagreement, nearest_triangle};
+pub use bvh::Bvh;
 pub use ray_packet::RayPacket;
+pub use traversal::Traversal;
 pub use validate::BvhError;
-
-/// The number of children of a node, and of triangles in a block: tested at once.
-const WIDTH: usize = 8;
-
-/// The largest depth of a leaf.
-const MAX_DEPTH: usize = 79;
-
-/// Triangles and spheres arranged for ray queries.
-#[derive(Debug)]
-pub struct Bvh {
-    /// The root first; empty if the scene is so small that every primitive is tested.
-    nodes: Vec<Node>,
-    blocks: Vec<TriangleBlock>,
-    spheres: Vec<Sphere>,
-    /// The number of the first sphere: triangles are numbered before.
-    first_sphere: u32,
-    bounds: Aabb,
-    /// The largest absolute coordinate.
-    magnitude: f32,
-    kernel: Kernel,
-}
-
-/// Scratch space of ray queries, one for each thread, and the count of its rays.
-#[derive(Debug, Default)]
-pub struct Traversal {
-    stack: Stack,
-    packet_stack: PacketStack,
-    /// How many queries have been answered.
-    pub rays: u64,
-}
-
-impl Bvh {
-    /// Builds the tree over `triangles`, numbered from 0, and `spheres`, numbered after them.
-    ///
-    /// Coordinates are finite; there are fewer than 2^30 of either.
-    pub fn new(triangles: &[[Vec3; 3]], spheres: Vec<Sphere>, kernel: Kernel) -> Bvh {
-        build::build(triangles, spheres, kernel)
-    }
-
-    /// The box around all primitives.
-    pub fn bounds(&self) -> Aabb {
-        self.bounds
-    }
-
-    /// The instruction set of its queries.
-    pub fn kernel(&self) -> Kernel {
-        self.kernel
-    }
-
-    /// Whether the scene is large enough for a tree.
-    #[cfg(test)]
-    pub(crate) fn has_tree(&self) -> bool {
-        !self.nodes.is_empty()
-    }
-
-    /// Bytes of the tree and its primitives.
-    pub fn memory(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.blocks) + size_of_val(&*self.spheres)
-    }
-
-    /// The closest hit of a ray, or none. The ray's `t_max` is ignored: it only bounds [`Bvh::occluded`].
-    #[inline]
-    pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Option<Hit> {
-        self.query::<false>(ray, traversal).found()
-    }
-
-    /// Whether any primitive lies in the ray's interval.
-    #[inline]
-    pub fn occluded(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
-        !self.query::<true>(ray, traversal).is_miss()
-    }
-
-    #[inline]
-    fn query<const ANY_HIT: bool>(&self, ray: &Ray, traversal: &mut Traversal) -> Hit {
-        traversal.rays += 1;
-        self.kernel.run(Traverse::<ANY_HIT> {
-            bvh: self,
-            ray,
-            stack: &mut traversal.stack,
-        })
-    }
-}
 
 #[cfg(any(test, fuzzing))]
 mod fuzz;

@@ -1,7 +1,7 @@
 //! Nodes of eight children, and the ray-box test (slabs with conservative rounding: Ize 2013, "Robust BVH Ray
 //! Traversal", JCGT 2(2)).
 
-use super::WIDTH;
+use super::limits::WIDTH;
 use super::rounding::{BOX_PADDING, origin_magnitude, padded};
 use crate::math::{Aabb, Ray};
 use crate::simd::Floats;

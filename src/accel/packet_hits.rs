@@ -1,6 +1,6 @@
 //! The results of a packet query while it traverses the tree.
 
-use super::WIDTH;
+use super::limits::WIDTH;
 use super::packet_intersector::PacketIntersector;
 use super::query::{DISTANCE_PADDING, record};
 use super::ray_packet::RayPacket;

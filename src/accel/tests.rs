@@ -1,11 +1,18 @@
 //! Against brute force in double precision, one by one and together, for every kernel.
 
+use super::brute_force::disagreement;
+use super::bvh::Bvh;
 use super::fuzz::check_packets;
 use super::node::Child;
-use super::*;
+use super::traversal::Traversal;
+use super::validate::BvhError;
+use crate::geometry::Sphere;
+use crate::math::{Aabb, Ray};
 use crate::sampling::Random;
+use crate::simd::Kernel;
 use crate::simd::PACKET_WIDTH;
 use glam::DVec3;
+use glam::Vec3;
 
 fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
     for kernel in Kernel::available() {

@@ -2,7 +2,7 @@
 //! Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays"; Wald, Benthin and Boulos 2008, "Getting Rid of
 //! Packets").
 
-use super::Bvh;
+use super::bvh::Bvh;
 use super::node::{BoxRay, Child, ROOT};
 use super::query::{DISTANCE_PADDING, record};
 use super::stack::Stack;

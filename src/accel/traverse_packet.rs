@@ -5,7 +5,7 @@
 //! at a time, the others are tested with one ray in each lane, and so are triangles. Each ray finds what it
 //! would find alone.
 
-use super::Bvh;
+use super::bvh::Bvh;
 use super::node::{Child, ROOT};
 use super::packet_hits::PacketHits;
 use super::packet_intersector::PacketIntersector;

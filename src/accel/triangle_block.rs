@@ -1,6 +1,6 @@
 //! Leaves of up to eight triangles, as a structure of arrays.
 
-use super::WIDTH;
+use super::limits::WIDTH;
 use super::query::{DISTANCE_PADDING, record};
 use super::rounding::{BOX_PADDING, origin_magnitude, triangle_padding};
 use super::watertight::ShearedRays;

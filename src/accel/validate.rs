@@ -1,8 +1,9 @@
 //! Checks of a tree's invariants.
 
+use super::bvh::Bvh;
+use super::limits::{MAX_DEPTH, WIDTH};
 use super::node::{Child, ROOT};
 use super::rounding::padded;
-use super::{Bvh, MAX_DEPTH, WIDTH};
 use crate::math::Aabb;
 use glam::Vec3;
 use thiserror::Error;

@@ -42,8 +42,7 @@ pub(super) fn written(file: &Path, result: io::Result<()>) -> Result<(), Failure
     result.map_err(|error| format!("{}: cannot be written: {error}", file.display()).into())
 }
 
-/// Prints a line of a result. Where the exit status says what matters, nobody has to read it: that nobody does is no
-/// error.
+/// Prints a line of a result. A reader that has gone is no error: the exit status says what matters.
 pub(super) fn say(line: fmt::Arguments) {
     let _ = writeln!(io::stdout(), "{line}");
 }

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 const FILE: &str = "manifest.ron";
 
-/// How long a turn is waited for.
+/// How long to wait for a turn.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// What the frames of a folder say of themselves, by number.
@@ -20,8 +20,8 @@ pub struct Manifest {
 }
 
 impl Manifest {
-    /// Asks each frame that is there: the manifest is made anew of the frames alone, so it is right for whoever
-    /// rendered them, in however many runs, and can be lost. What is no frame is passed over.
+    /// Reads the record of each frame that is there. The manifest is made of the frames alone: it is right whichever
+    /// processes rendered them, and can be lost.
     fn of(folder: &FrameFolder) -> Manifest {
         let frames = (0..folder.sequence().frames).filter_map(|frame| folder.record(frame));
         Manifest {
@@ -29,7 +29,7 @@ impl Manifest {
         }
     }
 
-    /// Whether there is one that says what the frames say.
+    /// Whether the manifest is there and agrees with the frames.
     pub fn is_right(folder: &FrameFolder) -> bool {
         let there = fs::read_to_string(folder.path().join(FILE)).ok();
         there.is_some() && there == Manifest::of(folder).to_text().ok()
@@ -38,8 +38,7 @@ impl Manifest {
     /// Writes `manifest.ron` and, if any frame has an error, `errors.csv` and `errors.svg`: the text that `picture`
     /// makes of the records, in the order of their frames. Otherwise, or without a text, there are no such files.
     ///
-    /// Others may do the same at the same time: one after the other, each after its own frames. So the last has
-    /// seen all of them.
+    /// Processes that do so at the same time take turns, each after its own frames: the last one has seen all of them.
     pub fn update(
         folder: &FrameFolder,
         picture: impl FnOnce(&[FrameRecord]) -> io::Result<Option<String>>,

@@ -15,10 +15,12 @@ mod scene_file;
 mod scene_loader;
 mod settings_file;
 mod statements;
+mod technique;
 mod texture_file;
 mod unused;
 
 pub use error::InputError;
 pub use files::InputFiles;
 pub use scene_loader::{SceneInput, load_scene};
-pub use settings_file::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Settings, SettingsError};
+pub use settings_file::{MIN_TARGET_ERROR, Settings, SettingsError};
+pub use technique::{GlobalIllumination, Mode};

@@ -1,7 +1,8 @@
 //! Builds a scene from parts in world coordinates: chooses its origin, drops triangles without area, finds the features
 //! of its materials.
 
-use super::{Scene, Triangle};
+use super::mesh_material::MeshMaterial;
+use super::resolved::{Scene, Triangle};
 use crate::accel::Bvh;
 use crate::geometry::{Mesh, Sphere};
 use crate::light::PointLight;
@@ -9,15 +10,6 @@ use crate::material::Material;
 use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
-
-/// The materials of a mesh, as indices of the scene's materials.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum MeshMaterial {
-    /// One for the whole mesh.
-    Uniform(usize),
-    /// One for each vertex of the mesh's only triangle, interpolated barycentrically.
-    PerVertex([usize; 3]),
-}
 
 /// A mesh in world coordinates, in double precision.
 #[derive(Clone, Debug)]

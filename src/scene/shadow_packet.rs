@@ -1,6 +1,6 @@
 //! Shadow rays from a packet of surface points to one light.
 
-use super::SurfacePointPacket;
+use super::surface_point::SurfacePointPacket;
 use crate::accel::RayPacket;
 use crate::simd::{ALL_LANES, Floats, Kernel, PACKET_WIDTH, SetBits, Simd, WithSimd};
 use glam::Vec3;
@@ -113,7 +113,7 @@ impl WithSimd for ShadowRays<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::SurfacePoint;
+    use super::super::surface_point::SurfacePoint;
     use super::*;
     use crate::accel::{Bvh, Traversal};
     use crate::sampling::Random;

@@ -1,6 +1,8 @@
 //! The surface at a hit: position, normals, reflectance, and how rays leave it.
 
-use super::{MeshMaterial, Scene, SurfacePoint, Triangle};
+use super::mesh_material::MeshMaterial;
+use super::resolved::{Scene, Triangle};
+use super::surface_point::SurfacePoint;
 use crate::geometry::Hit;
 use crate::material::{Features, Reflectance};
 use crate::math::{NO_PRIMITIVE, Ray};

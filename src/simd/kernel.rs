@@ -5,7 +5,8 @@
     reason = "calls into code compiled for a detected processor"
 )]
 
-use super::{Floats, PACKET_WIDTH, PortableFloats};
+use super::floats::{Floats, PACKET_WIDTH};
+use super::portable::PortableFloats;
 use std::fmt;
 
 /// The instruction set that answers ray queries and irradiance lookups; results do not depend on it.
@@ -104,7 +105,8 @@ impl Simd for Portable {
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
-    use super::super::{Avx2Floats, Avx2FloatsPair};
+    use super::super::pair::Avx2FloatsPair;
+    use super::super::x86_64::Avx2Floats;
     use super::{Simd, WithSimd};
 
     struct Avx2;
@@ -122,7 +124,7 @@ mod avx2 {
 
 #[cfg(target_arch = "x86_64")]
 mod avx512 {
-    use super::super::{Avx2Floats, Avx512Floats};
+    use super::super::x86_64::{Avx2Floats, Avx512Floats};
     use super::{Simd, WithSimd};
 
     struct Avx512;

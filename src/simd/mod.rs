@@ -1,10 +1,11 @@
 //! Vectors of floats with the same bits on every processor, and the one choice of instruction set.
 //!
-//! Code is written once over [`Simd`] and [`Floats`] as a [`WithSimd`] task, and a [`Kernel`] runs it compiled
-//! for the instruction set of the processor. [`PortableFloats`] are plain arrays; the others are the same
-//! arithmetic in vector registers. Apart from [`Floats::mul_sub`] nothing is fused or reordered, so all
+//! Code is written once over `Simd` and `Floats` as a `WithSimd` task, and a [`Kernel`] runs it compiled
+//! for the instruction set of the processor. `PortableFloats` are plain arrays; the others are the same
+//! arithmetic in vector registers. Apart from `Floats::mul_sub` nothing is fused or reordered, so all
 //! kernels give the same results to the bit.
 
+mod floats;
 mod kernel;
 #[cfg(target_arch = "x86_64")]
 mod pair;
@@ -13,53 +14,11 @@ mod set_bits;
 #[cfg(target_arch = "x86_64")]
 mod x86_64;
 
+pub use floats::PACKET_WIDTH;
+pub(crate) use floats::{ALL_LANES, Floats};
 pub use kernel::Kernel;
 pub(crate) use kernel::{Simd, WithSimd};
-#[cfg(target_arch = "x86_64")]
-use pair::Avx2FloatsPair;
-use portable::PortableFloats;
 pub(crate) use set_bits::SetBits;
-#[cfg(target_arch = "x86_64")]
-use x86_64::{Avx2Floats, Avx512Floats};
-
-/// The number of rays of a packet, and of points that are shaded or looked up together.
-pub const PACKET_WIDTH: usize = 16;
-
-/// A mask with a bit for each lane of a packet.
-pub(crate) const ALL_LANES: u32 = (1 << PACKET_WIDTH) - 1;
-
-/// `N` lanes of `f32`. Comparisons give a mask with a bit for each lane and are false for NaN.
-pub(crate) trait Floats<const N: usize>: Copy {
-    fn splat(value: f32) -> Self;
-    fn load(lanes: &[f32; N]) -> Self;
-    fn store(self) -> [f32; N];
-    fn add(self, other: Self) -> Self;
-    fn sub(self, other: Self) -> Self;
-    fn mul(self, other: Self) -> Self;
-    fn div(self, other: Self) -> Self;
-    fn sqrt(self) -> Self;
-    /// `self * factor - other`, rounded once or twice: the one operation whose bits depend on the
-    /// processor, for conservative bounds that cover either.
-    fn mul_sub(self, factor: Self, other: Self) -> Self;
-    /// The smaller; `other` where either is NaN.
-    fn min(self, other: Self) -> Self;
-    /// The larger; `other` where either is NaN.
-    fn max(self, other: Self) -> Self;
-    /// The minimum over all lanes, none of which is NaN.
-    fn reduce_min(self) -> f32;
-    /// The maximum over all lanes, none of which is NaN.
-    fn reduce_max(self) -> f32;
-    /// Zero in each lane whose absolute value is below `threshold`.
-    fn zero_below(self, threshold: f32) -> Self;
-    fn lt(self, other: Self) -> u32;
-    fn le(self, other: Self) -> u32;
-
-    /// The absolute value.
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.max(Self::splat(0.0).sub(self))
-    }
-}
 
 #[cfg(all(test, target_arch = "x86_64"))]
 mod tests;

@@ -1,6 +1,7 @@
 //! Sixteen lanes in two AVX2 registers.
 
-use super::{Avx2Floats, Floats};
+use super::floats::Floats;
+use super::x86_64::Avx2Floats;
 
 /// Two 256-bit registers.
 #[derive(Clone, Copy)]

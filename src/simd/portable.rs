@@ -1,6 +1,6 @@
 //! Lanes in an array, without vector instructions.
 
-use super::Floats;
+use super::floats::Floats;
 
 /// `N` lanes in an array.
 #[derive(Clone, Copy)]

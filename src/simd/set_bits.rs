@@ -1,6 +1,6 @@
 //! Iterates over the lanes of a mask.
 
-use super::PACKET_WIDTH;
+use super::floats::PACKET_WIDTH;
 
 /// The indices of the set bits of a packet's lane mask, ascending.
 pub(crate) struct SetBits(pub(crate) u32);

@@ -5,7 +5,10 @@
     reason = "calls into code compiled for a detected processor"
 )]
 
-use super::*;
+use super::floats::Floats;
+use super::pair::Avx2FloatsPair;
+use super::portable::PortableFloats;
+use super::x86_64::{Avx2Floats, Avx512Floats};
 
 const SPECIAL: [f32; 12] = [
     0.0,

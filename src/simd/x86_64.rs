@@ -4,7 +4,7 @@
     reason = "vector instructions; each block states why it is sound"
 )]
 
-use super::Floats;
+use super::floats::Floats;
 use std::arch::x86_64::*;
 
 /// Defines lanes in one register. Values exist only inside [`Kernel::run`](super::Kernel::run), compiled for the

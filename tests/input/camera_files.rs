@@ -1,6 +1,6 @@
 //! Camera paths of other programs: files that they have written, and what is written for them.
 
-use crate::support::{root, scaled, shipped_path};
+use crate::support::{root, shipped_path};
 use flythrough::camera::{Camera, FrameCameras};
 use flythrough::camera_formats::{
     CameraFormat, camera_path_to_ron, camera_table, export_cameras, import_cameras,
@@ -244,7 +244,7 @@ fn endless_animations_are_refused() {
     );
 }
 
-/// Of every file, cut and with a byte changed, in places all over it: refused or read, never a panic.
+/// Of every file, cut anywhere and with any byte changed: refused or read, never a panic.
 #[test]
 fn no_damage_panics() {
     let folder = tempfile::tempdir().unwrap();
@@ -252,10 +252,8 @@ fn no_damage_panics() {
     std::fs::copy(reference("rig.bin"), folder.path().join("rig.bin")).unwrap();
     for name in ["sampled.glb", "cubicspline.glb", "rig.gltf"] {
         let whole = std::fs::read(reference(name)).unwrap();
-        // No multiple of 3: all kinds of changes have their turn.
-        let places = (0..whole.len()).step_by(scaled(31, 7, 1));
         let mut refused = 0;
-        for place in places.clone() {
+        for place in 0..whole.len() {
             let mut bytes = whole.clone();
             bytes[place] = match place % 3 {
                 0 => b'9',
@@ -264,10 +262,10 @@ fn no_damage_panics() {
             };
             for bytes in [&whole[..place], &bytes] {
                 std::fs::write(&damaged, bytes).unwrap();
-                refused += usize::from(import_cameras(&damaged, None, None).is_err());
+                refused += u32::from(import_cameras(&damaged, None, None).is_err());
             }
         }
-        assert!(refused > places.len(), "{name}");
+        assert!(refused as usize > whole.len(), "{name}");
     }
 }
 

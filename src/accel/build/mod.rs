@@ -4,9 +4,10 @@
 mod reference;
 mod split;
 
+use super::bvh::Bvh;
+use super::limits::{MAX_DEPTH, WIDTH};
 use super::node::{Child, Node};
 use super::triangle_block::TriangleBlock;
-use super::{Bvh, MAX_DEPTH, WIDTH};
 use crate::geometry::Sphere;
 use crate::math::Aabb;
 use crate::simd::Kernel;
@@ -25,11 +26,16 @@ const MIN_PARALLEL_REFERENCES: usize = 1 << 16;
 /// Up to so many blocks and so many spheres are tested one after the other, without a tree.
 const MAX_WITHOUT_TREE: usize = 2;
 
-pub(in super::super) fn build(
-    triangles: &[[Vec3; 3]],
-    spheres: Vec<Sphere>,
-    kernel: Kernel,
-) -> Bvh {
+impl Bvh {
+    /// Builds the tree over `triangles`, numbered from 0, and `spheres`, numbered after them.
+    ///
+    /// Coordinates are finite; there are fewer than 2^30 of either.
+    pub fn new(triangles: &[[Vec3; 3]], spheres: Vec<Sphere>, kernel: Kernel) -> Bvh {
+        build(triangles, spheres, kernel)
+    }
+}
+
+fn build(triangles: &[[Vec3; 3]], spheres: Vec<Sphere>, kernel: Kernel) -> Bvh {
     let first_sphere = triangles.len() as u32;
     let boxes = triangles.par_iter().map(|vertices| Aabb::of(*vertices));
     let mut references: Vec<Reference> = boxes

@@ -1,6 +1,6 @@
 //! Splits a range of references by the binned surface area heuristic.
 
-use super::super::WIDTH;
+use super::super::limits::WIDTH;
 use super::reference::{Extent, Reference, half_area};
 use glam::Vec4;
 

@@ -1,0 +1,7 @@
+//! Sizes of the tree.
+
+/// The number of children of a node, and of triangles in a block: tested at once.
+pub(super) const WIDTH: usize = 8;
+
+/// The largest depth of a leaf.
+pub(super) const MAX_DEPTH: usize = 79;

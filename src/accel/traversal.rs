@@ -1,0 +1,12 @@
+//! The state of a thread between ray queries.
+
+use super::stack::{PacketStack, Stack};
+
+/// Scratch space of ray queries, one for each thread, and the count of its rays.
+#[derive(Debug, Default)]
+pub struct Traversal {
+    pub(super) stack: Stack,
+    pub(super) packet_stack: PacketStack,
+    /// How many queries have been answered.
+    pub rays: u64,
+}

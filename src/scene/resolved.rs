@@ -1,0 +1,141 @@
+//! A resolved scene and the ray queries on it.
+
+use super::mesh_material::MeshMaterial;
+use super::shadow_packet::ShadowPacket;
+use super::surface_point::SurfacePointPacket;
+use crate::accel::{Bvh, Traversal};
+use crate::geometry::{Hit, Mesh, Sphere, VertexIndices};
+use crate::light::PointLight;
+use crate::material::{FeatureSet, Material};
+use crate::math::{Aabb, Ray};
+use crate::simd::Kernel;
+use crate::texture::Texture;
+use glam::{DVec3, Vec3};
+
+/// Geometry, materials and lights.
+#[derive(Debug)]
+pub struct Scene {
+    /// The origin of the scene's own coordinates, in world coordinates.
+    pub origin: DVec3,
+    /// The lights.
+    pub lights: Vec<PointLight>,
+    /// The scene's ambient colour.
+    pub ambient: Vec3,
+    /// The radiance along a ray that leaves the scene.
+    pub background: Vec3,
+    pub(super) meshes: Vec<Mesh>,
+    pub(super) mesh_materials: Vec<MeshMaterial>,
+    pub(super) triangles: Vec<Triangle>,
+    pub(super) spheres: Vec<Sphere>,
+    pub(super) sphere_materials: Vec<usize>,
+    pub(super) materials: Vec<Material>,
+    pub(super) textures: Vec<Texture>,
+    /// The features of its used materials.
+    pub(super) features: FeatureSet,
+    pub(super) bvh: Bvh,
+    /// The largest absolute coordinate of all shapes.
+    pub(super) magnitude: f32,
+}
+
+/// The shading data of a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangle {
+    pub(super) vertices: VertexIndices,
+    /// The index of its mesh.
+    pub(super) mesh: u32,
+    /// Unit normal of its winding.
+    pub(super) normal: Vec3,
+}
+
+impl Scene {
+    /// The closest hit of a ray, or none.
+    pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Option<Hit> {
+        self.bvh.closest(ray, traversal)
+    }
+
+    /// The closest hit of each ray, or none; fast for coherent rays.
+    pub fn closest_coherent(
+        &self,
+        rays: &[Ray],
+        hits: &mut [Option<Hit>],
+        traversal: &mut Traversal,
+    ) {
+        self.bvh.closest_coherent(rays, hits, traversal);
+    }
+
+    /// As [`Scene::closest_coherent`], for any number of incoherent rays.
+    pub fn closest_incoherent(
+        &self,
+        rays: &[Ray],
+        hits: &mut [Option<Hit>],
+        traversal: &mut Traversal,
+    ) {
+        self.bvh.closest_incoherent(rays, hits, traversal);
+    }
+
+    /// The shadow rays from points to a target, not yet traced.
+    pub fn shadow_rays_to(&self, points: &SurfacePointPacket, target: Vec3) -> ShadowPacket {
+        points.shadow_rays_to(target, self.kernel())
+    }
+
+    /// The mask of the rays of a packet that are occluded; fast for coherent rays.
+    pub fn occluded_coherent(&self, packet: &ShadowPacket, traversal: &mut Traversal) -> u32 {
+        self.bvh.occluded_coherent(&packet.rays, traversal)
+    }
+
+    /// As [`Scene::occluded_coherent`], for packets of incoherent rays.
+    pub fn occluded_incoherent(
+        &self,
+        packets: &[ShadowPacket],
+        traversal: &mut Traversal,
+    ) -> Vec<u32> {
+        let packets = packets.iter().map(|packet| &packet.rays);
+        self.bvh.occluded_incoherent(packets, traversal)
+    }
+
+    /// The distance from a point in world coordinates to the closest surface, or none if it is not below
+    /// `within`; in metres.
+    pub fn closest_point_distance(&self, point: DVec3, within: f64) -> Option<f64> {
+        self.bvh.closest_point_distance(point - self.origin, within)
+    }
+
+    /// The instruction set of ray queries and irradiance lookups.
+    pub fn kernel(&self) -> Kernel {
+        self.bvh.kernel()
+    }
+
+    /// The features of its used materials.
+    pub fn features(&self) -> FeatureSet {
+        self.features
+    }
+
+    /// The box around all shapes, relative to [`Scene::origin`]; empty for an empty scene.
+    pub fn bounds(&self) -> Aabb {
+        self.bvh.bounds()
+    }
+
+    /// The number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// The number of spheres.
+    pub fn sphere_count(&self) -> usize {
+        self.spheres.len()
+    }
+
+    /// The image textures.
+    pub fn textures(&self) -> &[Texture] {
+        &self.textures
+    }
+
+    /// Bytes of geometry, acceleration structure and textures.
+    pub fn memory(&self) -> usize {
+        let meshes = self.meshes.iter().map(|mesh| {
+            size_of_val(&*mesh.positions) + size_of_val(&*mesh.normals) + size_of_val(&*mesh.uvs)
+        });
+        let triangles = size_of_val(&*self.triangles);
+        let textures = self.textures.iter().map(Texture::memory);
+        self.bvh.memory() + triangles + meshes.sum::<usize>() + textures.sum::<usize>()
+    }
+}

@@ -3,8 +3,8 @@
 use super::picture::{Contents, Picture};
 use super::{exr, png_file};
 use crate::film::Film;
-use crate::math::color::srgb_to_linear;
 #[cfg(any(test, feature = "plots"))]
+use crate::math::color::srgb_to_linear;
 use crate::storage::write_atomic;
 #[cfg(any(test, feature = "plots"))]
 use glam::Vec3;

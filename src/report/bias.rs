@@ -99,7 +99,7 @@ struct HeldOutFrame {
 impl HeldOut {
     /// Chooses random pixels of frames of a size, and estimates them.
     fn new(inputs: &Inputs, size: (u32, u32), progress: &mut Progress) -> HeldOut {
-        progress.begin("held-out pixels");
+        progress.begin("oracle");
         let settings = Settings {
             mode: Some(Mode::Montecarlo),
             gi: Some(GlobalIllumination::PathTraced),

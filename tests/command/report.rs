@@ -255,7 +255,7 @@ fn a_report_has_everything_and_keeps_its_references() {
     // Where nothing is gathered the cache is empty; and what files set is not what was measured.
     let darker = fs::read_to_string(&scene)
         .unwrap()
-        .replace("bounces: 1", "bounces: 0, gi: \"path\"");
+        .replace("bounces: 1", "bounces: 0, gi: \"cached\"");
     fs::write(&scene, darker).unwrap();
     let said = run();
     assert!(

@@ -241,7 +241,7 @@ mod tests {
             [
                 "x.obj: not used: 1 `F`, 1 `f` of fewer than three vertices, 1 `f` with texture \
                  coordinates or normals at some vertices only: these, 1 `l`, 1 `p`, 2 colours of `v`",
-                "x.obj: 1 triangles name no material of its libraries and are made grey; give the \
+                "x.obj: 1 triangles have no material of its libraries and are grey; give the \
                  object a `material`",
             ]
         );

@@ -378,7 +378,7 @@ fn wrong_commands_are_refused() {
         (&["--splits", "3,0"], "--splits: 0"),
         (&["--bounces", "99"], "--bounces: 99"),
         (&["--threads", "0"], "--threads"),
-        (&["--aov", "error"], "nothing is left to chance"),
+        (&["--aov", "error"], "no Monte Carlo noise"),
         (&["--target-error", "2"], "--target-error: 2 is not between"),
         (
             &["--mode", "supersampling", "--target-error", "0.1"],

@@ -203,7 +203,7 @@ fn references_to_what_is_not_a_file() {
         let output = flythrough(&["check", &scene, &camera_path]);
         assert_eq!(output.status.code(), Some(2));
         assert!(
-            stderr(&output).contains("it is not a file"),
+            stderr(&output).contains("it is not a regular file"),
             "{}",
             stderr(&output)
         );

@@ -10,10 +10,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::LazyLock;
 
-/// Width and height of frames.
-fn size() -> [u32; 2] {
-    scaled([24, 18], [40, 30], [80, 60])
-}
+const SIZE: [u32; 2] = [80, 60];
 
 /// A Cornell box with a mirror, near lights and two shadows.
 static ROOM: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
@@ -31,7 +28,7 @@ fn frame(settings: &RenderSettings, seed: u32) -> RenderedFrame {
 
 /// The mean of (x - r)^2 / (m^2 + (white / 10)^2), where m is the mean of the pixels around.
 fn relative_square_error(picture: &Film, reference: &Film, white: f64) -> f64 {
-    let (width, height) = (picture.width() as i32, picture.height() as i32);
+    let (width, height) = (SIZE[0] as i32, SIZE[1] as i32);
     let at = |film: &Film, x: i32, y: i32| film.pixels()[(y * width + x) as usize].as_dvec3();
     let inside = |x: i32, y: i32| (0..width).contains(&x) && (0..height).contains(&y);
     let mut sum = 0.0;
@@ -52,19 +49,16 @@ fn relative_square_error(picture: &Film, reference: &Film, white: f64) -> f64 {
 /// may lie between 90 and 99 in 100 do so by chance in less than one of 500 cases.
 #[test]
 fn intervals_hold_the_true_error() {
-    let [width, height] = size();
-    let exposed = RenderSettings {
-        display_white: 0.35,
-        ..settings(monte_carlo(4, &[16]), width, height)
-    };
-    for (sampling, reference_splits) in [
-        (PixelSampling::Center, 2048),
-        (PixelSampling::Corners, 2048),
-        (PixelSampling::Spread(4), 32),
-    ] {
+    let cases = [
+        (PixelSampling::Center, 16, 2048),
+        (PixelSampling::Corners, 16, 2048),
+        (PixelSampling::Spread(4), scaled(4, 4, 16), scaled(8, 8, 32)),
+    ];
+    for &(sampling, splits, reference_splits) in &cases[..scaled(1, 3, 3)] {
         let settings = RenderSettings {
+            display_white: 0.35,
             sampling,
-            ..exposed.clone()
+            ..settings(monte_carlo(4, &[splits]), SIZE[0], SIZE[1])
         };
         let reference = frame(
             &RenderSettings {
@@ -175,11 +169,11 @@ fn added_samples_do_not_make_frames_brighter() {
 /// each other, so their errors are not correlated.
 #[test]
 fn halves_are_independent() {
-    let [width, height] = size();
-    let settings = settings(monte_carlo(4, &[16]), width, height);
+    let paths = scaled(4, 4, 16);
+    let settings = settings(monte_carlo(4, &[paths]), SIZE[0], SIZE[1]);
     let reference = frame(
         &RenderSettings {
-            integrator: monte_carlo(4, &[2048]),
+            integrator: monte_carlo(4, &[128 * paths]),
             ..settings.clone()
         },
         1_000_000,
@@ -196,9 +190,9 @@ fn halves_are_independent() {
     };
     let all: Vec<(f64, f64)> = (0..32).map(products).collect();
     let correlation = all.iter().map(|p| p.0).sum::<f64>() / all.iter().map(|p| p.1).sum::<f64>();
-    // 32 frames; channels of a pixel vary together.
+    // 32 frames of 1,728 pixels; channels of a pixel vary together.
     assert!(
-        correlation.abs() < 4.0 / f64::from(32 * width * height).sqrt(),
+        correlation.abs() < 4.0 / (32.0 * 1728.0_f64).sqrt(),
         "{correlation}"
     );
 }

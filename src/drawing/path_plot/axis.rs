@@ -4,7 +4,8 @@
 pub(super) fn round_step(at_least: f64) -> u32 {
     let mut ten = 1;
     loop {
-        for step in [ten, 2 * ten, 5 * ten] {
+        for factor in [1, 2, 5] {
+            let step = factor * ten;
             // The greatest step is 10^9.
             if f64::from(step) >= at_least || step >= 1_000_000_000 {
                 return step;

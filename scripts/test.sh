@@ -64,6 +64,8 @@ cargo fmt --check --manifest-path tests/fuzz/Cargo.toml
 step Lints
 shellcheck .ci/{run,tool,dependencies,minimum_rust} scripts/*.sh tests/farm/*.sh
 cargo clippy --quiet --release --all-targets -- -D warnings
+step "The library without the program's features"
+cargo check --quiet --release --no-default-features --lib
 step "Dependencies: licences, sources, advisories, notices"
 .ci/dependencies
 step Documentation

@@ -3,6 +3,17 @@
 //!
 //! An [`Integrator`] is built from plain [`IntegratorSettings`], a scene and, for cached light, an irradiance
 //! cache. A ray that leaves the scene returns the background; a path at its last bounce returns the ambient light.
+//!
+//! Paths advance in wavefronts; shadow rays are traced sixteen at a time. Code is compiled for each set of material
+//! features, and a scene's own set is chosen: what a scene does not use costs nothing (`cargo bench --bench features`).
+//!
+//! Where a light is so close to a surface that its bright spot dominates the noise, a quarter of the indirect rays is
+//! connected to points that were traced from the light, weighted by the balance heuristic (Veach and Guibas 1995):
+//! unbiased, and less than half the error in `test3`.
+//!
+//! Tried, and no better: Russian roulette after the first bounce, with probabilities of 1/2 to 1/8, loses as much as it
+//! saves.
+//!
 //! Knows nothing of pixels, frames or time.
 
 mod cached;

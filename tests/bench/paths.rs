@@ -1,4 +1,4 @@
-//! How evenly cameras move, and what a path costs: the figures of the README.
+//! How evenly cameras move, and what a path costs: the figures of tests/bench/README.md.
 #![allow(clippy::unwrap_used, reason = "a measurement that cannot go on fails")]
 #![allow(clippy::print_stdout, reason = "talking to the user is its job")]
 

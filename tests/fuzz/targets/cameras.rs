@@ -3,9 +3,9 @@
 //! file that is made of them has the same.
 
 use flythrough::camera::FrameCameras;
-use flythrough::input::InputFiles;
-use flythrough::camera_formats::{import_cameras, load_camera_path};
 use flythrough::camera_formats::camera_path_to_ron;
+use flythrough::camera_formats::{import_cameras, load_camera_path};
+use flythrough::input::InputFiles;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let file = flythrough_fuzz::file("cameras", bytes);

@@ -20,8 +20,6 @@ pub struct CacheFile {
     file: PathBuf,
     /// A hash of all that decides the records but for the camera paths: scene, settings, build.
     input_hash: blake3::Hash,
-    /// The same for other builds of the program whose caches count as this one's.
-    accepted: Vec<blake3::Hash>,
 }
 
 /// Why an irradiance cache cannot be read or written.
@@ -76,12 +74,11 @@ pub enum CacheFileError {
 
 impl CacheFile {
     /// A file that exists or will be written. The input hash is of all that decides the records but for the camera
-    /// paths; caches with one of the `accepted` hashes are read, too.
-    pub fn new(file: &Path, input_hash: blake3::Hash, accepted: Vec<blake3::Hash>) -> CacheFile {
+    /// paths.
+    pub fn new(file: &Path, input_hash: blake3::Hash) -> CacheFile {
         CacheFile {
             file: file.to_owned(),
             input_hash,
-            accepted,
         }
     }
 
@@ -119,8 +116,7 @@ impl CacheFile {
             return Err(damaged());
         }
         let (input_hash, state) = content.split_at_checked(HASH).ok_or_else(damaged)?;
-        let is_it = |hash: &blake3::Hash| hash.as_bytes() == input_hash;
-        if !is_it(&self.input_hash) && !self.accepted.iter().any(is_it) {
+        if self.input_hash.as_bytes() != input_hash {
             return Err(CacheFileError::OtherInputs {
                 file: self.file.clone(),
             });
@@ -144,28 +140,5 @@ impl CacheFile {
             file: self.file.clone(),
             source,
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::SceneBuilder;
-
-    #[test]
-    fn caches_of_accepted_inputs_are_read() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let file = folder.path().join("irradiance.cache");
-        let [ours, theirs] = ["ours", "theirs"].map(|text| blake3::hash(text.as_bytes()));
-        let (scene, _) = SceneBuilder::default().build();
-        let state = BakeState::new(&scene, 2, 0, 0);
-        let written = CacheFile::new(&file, theirs, Vec::new()).write(&state);
-        written.expect("written");
-        let read = |accepted| CacheFile::new(&file, ours, accepted).read(false);
-        assert!(matches!(
-            read(Vec::new()),
-            Err(CacheFileError::OtherInputs { .. })
-        ));
-        assert!(read(vec![theirs]).expect("accepted").is_some());
     }
 }

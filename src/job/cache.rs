@@ -1,12 +1,12 @@
 //! The irradiance cache of a job: where it is kept, and what is there already.
 
 use super::error::JobError;
-use super::identity::{BUILD, cache_hash};
+use super::identity::{BUILD, CacheIdentity, cache_hash};
 use super::inputs::Inputs;
 use super::options::JobOptions;
 use crate::bake::{BakeState, Baked, CacheFile, Listener, bake};
 use crate::render::RenderSettings;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Where an irradiance cache is kept.
 #[derive(Debug)]
@@ -26,6 +26,8 @@ pub struct CacheSource {
     found: Option<BakeState>,
     /// Names the path in the cache.
     path_hash: String,
+    /// The build of the program that began the cache: another one than this only if it is accepted.
+    build: String,
 }
 
 impl CacheSource {
@@ -38,40 +40,52 @@ impl CacheSource {
         options: &JobOptions,
     ) -> Result<CacheSource, JobError> {
         let path_hash = inputs.path_hash.to_string();
-        let hash = |build: &str| cache_hash(inputs, settings, build);
-        let accepted = options.accepted_builds.iter().map(|build| hash(build));
-        let accepted: Vec<blake3::Hash> = accepted.collect();
-        let cache_file = |file: PathBuf| CacheFile::new(&file, hash(BUILD), accepted);
-        let (file, found) = match store {
-            CacheStore::Shared(file) => {
-                let file = cache_file(file);
-                let found = file.read(options.rebake)?;
-                (Some(file), found)
-            }
-            CacheStore::Own(file) => {
-                let file = cache_file(file);
-                // What is of no use is written over.
-                let found = file.read(true).ok().flatten();
-                let is_own = |found: &BakeState| found.paths() == [path_hash.as_str()];
-                (Some(file), found.filter(is_own))
-            }
-            CacheStore::Memory => (None, None),
+        let of_build = |file: &Path, build: &str| {
+            CacheFile::new(file, cache_hash(inputs, settings, build))
         };
-        Ok(CacheSource {
+        let source = |file: Option<CacheFile>, found: Option<BakeState>, build: &str| CacheSource {
             file,
             found,
-            path_hash,
-        })
+            path_hash: path_hash.clone(),
+            build: build.to_owned(),
+        };
+        let (file, is_own) = match &store {
+            CacheStore::Shared(file) => (file, false),
+            CacheStore::Own(file) => (file, true),
+            CacheStore::Memory => return Ok(source(None, None, BUILD)),
+        };
+        for build in &options.accepted_builds {
+            let cache = of_build(file, build);
+            if let Ok(Some(found)) = cache.read(false)
+                && (!is_own || found.paths() == [path_hash.as_str()])
+            {
+                return Ok(source(Some(cache), Some(found), build));
+            }
+        }
+        let cache = of_build(file, BUILD);
+        let found = match is_own {
+            // What is of no use is written over.
+            true => {
+                let found = cache.read(true).ok().flatten();
+                found.filter(|found| found.paths() == [path_hash.as_str()])
+            }
+            false => cache.read(options.rebake)?,
+        };
+        Ok(source(Some(cache), found, BUILD))
     }
 
-    /// The hashes of all paths that the cache will be baked for, in order: it depends on them.
-    pub fn paths(&self) -> Vec<String> {
+    /// What the cache will be made from beside scene and settings: the paths that it will be baked for, by their hashes and
+    /// in order, and the build that began it, if it is another one.
+    pub fn identity(&self) -> CacheIdentity {
         let found = self.found.as_ref();
         let mut paths = found.map_or(Vec::new(), |found| found.paths().to_vec());
         if !paths.contains(&self.path_hash) {
             paths.push(self.path_hash.clone());
         }
-        paths
+        CacheIdentity {
+            paths,
+            other_build: (self.build != BUILD).then(|| self.build.clone()),
+        }
     }
 
     /// Whether nothing is left to bake.
@@ -103,5 +117,42 @@ impl CacheSource {
             file.write(&baked.state)?;
         }
         Ok(baked)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bake::CacheFileError;
+    use crate::integrator::IntegratorSettings;
+
+    /// The cache of another build is another cache, and frames that look it up are other frames.
+    #[test]
+    fn caches_of_other_builds_are_accepted_knowingly() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("shared.cache");
+        let inputs = Inputs::load("scenes/test.ron".as_ref(), "paths/test.ron".as_ref(), None);
+        let inputs = inputs.expect("shipped");
+        let settings = RenderSettings::new(IntegratorSettings::Cached { bounces: 2 }, 16, 12);
+        let open = |accepted: &[&str]| {
+            let options = JobOptions {
+                accepted_builds: accepted.iter().map(|build| (*build).to_owned()).collect(),
+                ..JobOptions::default()
+            };
+            CacheSource::open(CacheStore::Shared(file.clone()), &inputs, &settings, &options)
+        };
+        let none = open(&["older"]).expect("no file yet");
+        assert!(none.found.is_none());
+        let state = BakeState::new(&inputs.scene.scene, 2, 0, 0);
+        let older = CacheFile::new(&file, cache_hash(&inputs, &settings, "older"));
+        older.write(&state).expect("written");
+        assert!(matches!(
+            open(&[]),
+            Err(JobError::Cache(CacheFileError::OtherInputs { .. }))
+        ));
+        let accepted = open(&["oldest", "older"]).expect("accepted");
+        assert!(accepted.found.is_some());
+        assert_eq!(accepted.identity().paths, none.identity().paths);
+        assert_ne!(accepted.identity(), none.identity());
     }
 }

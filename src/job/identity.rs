@@ -12,6 +12,15 @@ use serde_json::{Map, Value, json};
 /// whichever machine compiles it.
 pub const BUILD: &str = env!("FLYTHROUGH_BUILD");
 
+/// What an irradiance cache is made from, beside scene and settings.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CacheIdentity {
+    /// Hashes of the paths for which it is baked, in order.
+    pub paths: Vec<String>,
+    /// The build of the program that began it, if it is another one than this.
+    pub other_build: Option<String>,
+}
+
 /// What decides the pixels of all frames of a sequence, beside their cameras.
 #[derive(Debug)]
 pub(super) struct SequenceInputs<'a> {
@@ -19,8 +28,8 @@ pub(super) struct SequenceInputs<'a> {
     pub(super) settings: &'a RenderSettings,
     pub(super) exposure: f32,
     pub(super) format: FrameFormat,
-    /// Hashes of the paths for which the irradiance cache is baked, in their order; none where nothing is looked up.
-    pub(super) cache_paths: Option<&'a [String]>,
+    /// None where nothing is looked up.
+    pub(super) cache: Option<&'a CacheIdentity>,
 }
 
 impl SequenceInputs<'_> {
@@ -36,8 +45,11 @@ impl SequenceInputs<'_> {
         if self.format != FrameFormat::default() {
             data["format"] = json!(self.format);
         }
-        if let Some(paths) = self.cache_paths {
+        if let Some(CacheIdentity { paths, other_build }) = self.cache {
             data["irradiance_cache"] = json!(paths);
+            if let Some(build) = other_build {
+                data["cache_build"] = json!(build);
+            }
         }
         let path = &self.inputs.path.path;
         let hash = |frame| {

@@ -16,7 +16,7 @@ mod spec;
 pub use cache::{CacheSource, CacheStore};
 pub use error::JobError;
 pub use estimate::{Accuracy, SampleChoice, SavedEstimate, keep_within, make_folder};
-pub use identity::BUILD;
+pub use identity::{BUILD, CacheIdentity};
 pub use inputs::{Inputs, pool};
 pub use options::JobOptions;
 pub use resolved_job::{BakeOutcome, Job, open_folder};

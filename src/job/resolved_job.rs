@@ -2,7 +2,7 @@
 
 use super::cache::{CacheSource, CacheStore};
 use super::error::JobError;
-use super::identity::{BUILD, SequenceInputs};
+use super::identity::{BUILD, CacheIdentity, SequenceInputs};
 use super::inputs::Inputs;
 use super::options::JobOptions;
 use super::spec::Spec;
@@ -26,8 +26,8 @@ pub struct Job {
     accepted_builds: Vec<String>,
     /// The irradiance cache until it is baked; none if nothing is looked up.
     source: Option<CacheSource>,
-    /// Hashes of the paths for which the cache is baked.
-    cache_paths: Option<Vec<String>>,
+    /// What the cache is made from.
+    cache: Option<CacheIdentity>,
     baked: Option<Baked>,
 }
 
@@ -70,7 +70,7 @@ impl Job {
             return Err(JobError::NoNoise { advice });
         }
         Ok(Job {
-            cache_paths: source.as_ref().map(CacheSource::paths),
+            cache: source.as_ref().map(CacheSource::identity),
             exposure: given.exposure.unwrap_or(0.0),
             accepted_builds: options.accepted_builds.clone(),
             baked: None,
@@ -147,7 +147,7 @@ impl Job {
             settings: &self.settings,
             exposure: self.exposure,
             format: self.spec.format,
-            cache_paths: self.cache_paths.as_deref(),
+            cache: self.cache.as_ref(),
         };
         Ok(SequenceRecord {
             build: BUILD.to_owned(),
@@ -160,7 +160,7 @@ impl Job {
             format: self.spec.format,
             exposure: self.exposure,
             error_maps: self.spec.error_maps,
-            irradiance_cache: self.cache_paths.is_some(),
+            irradiance_cache: self.cache.is_some(),
             input_hashes: all.hashes(),
         })
     }

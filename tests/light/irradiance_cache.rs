@@ -120,7 +120,8 @@ fn the_error_is_known_and_met() {
         };
         bake(&scene, &path, "path", &settings, None, &|_, _| ())
     };
-    let references = [1, 4, 7].map(|n| (n, path_traced(&scene, &path, 2048, n)));
+    let paths = scaled(1024, 1024, 2048);
+    let references = [1, 4, 7].map(|n| (n, path_traced(&scene, &path, paths, n)));
     let (usual, finer) = (baked(None), baked(Some(2e-4)));
     assert!(usual.reaches_target && finer.reaches_target);
     assert!(finer.state.refinement_level() > usual.state.refinement_level());
@@ -131,7 +132,7 @@ fn the_error_is_known_and_met() {
             f64::from(relative_square_error(&pixels, reference))
         });
         // Of 32 paths it is 0.0045.
-        let of_reference = 0.0045 * 32.0 / 2048.0;
+        let of_reference = 0.0045 * 32.0 / f64::from(paths);
         let error = errors.iter().sum::<f64>() / 3.0 - of_reference;
         // So few pixels are of one window.
         let [low, high] = baked.errors[4].interval();
@@ -228,7 +229,7 @@ fn whatever_is_in_the_scene_the_light_is_right() {
         };
         let baked = bake(&scene, &path, "path", &looking_up, None, &|_, _| ());
         let exact = RenderSettings {
-            integrator: monte_carlo(4, &[1024]),
+            integrator: monte_carlo(4, &[scaled(256, 256, 1024)]),
             ..looking_up.clone()
         };
         let renderers =

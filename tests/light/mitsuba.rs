@@ -41,7 +41,8 @@ fn compare(
     bounces: u32,
     reference: &[Estimate],
 ) -> Result<(), String> {
-    let settings = settings(monte_carlo(bounces, &[128]), WIDTH as u32, HEIGHT as u32);
+    let paths = scaled(64, 64, 128);
+    let settings = settings(monte_carlo(bounces, &[paths]), WIDTH as u32, HEIGHT as u32);
     let runs = runs(scene, camera, &settings, 0..32);
     let [pixels, blocks, whole] =
         [[1, 1], [5, 5], [WIDTH, HEIGHT]].map(|block| of_blocks(&runs, reference, block));

@@ -174,13 +174,16 @@ impl Job {
             .with_cache_errors(errors)
     }
 
-    /// Renders frames for a sink. The irradiance cache is baked.
+    /// Renders frames for a sink. The irradiance cache is baked, unless there are no frames to render.
     pub fn render<Sink: FrameSink>(
         &self,
         frames: &[u32],
         sink: &Sink,
         observer: &dyn SequenceObserver,
     ) -> Outcome {
+        if frames.is_empty() {
+            return Outcome::default();
+        }
         let path = &self.inputs.path.path;
         self.renderer()
             .render_sequence(path, frames, &self.inputs.pool, sink, observer)

@@ -264,9 +264,9 @@ fn a_prepared_folder_knows_what_it_lacks() {
     assert_eq!(project.missing(&["--format", "openjd"]), "0-8\n");
 }
 
-/// What a run wants to know of the light of the path, the runs after it find beside the frames.
+/// Runs share the irradiance cache that is kept beside the frames.
 #[test]
-fn light_of_the_path_is_kept_beside_the_frames() {
+fn the_irradiance_cache_is_kept_beside_the_frames() {
     let project = Project::new();
     let more = ["--mode", "montecarlo"];
     assert!(
@@ -294,4 +294,8 @@ fn light_of_the_path_is_kept_beside_the_frames() {
     project.write("p.ron", keys(&KEYS).as_bytes());
     assert_eq!(project.render(&more), ALL);
     assert_eq!(fs::read(project.file(3)).unwrap(), once);
+    // Where no frame is missing, no cache is needed.
+    fs::remove_file(&light).unwrap();
+    assert!(project.render(&more).is_empty());
+    assert!(!light.exists());
 }

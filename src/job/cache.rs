@@ -40,9 +40,8 @@ impl CacheSource {
         options: &JobOptions,
     ) -> Result<CacheSource, JobError> {
         let path_hash = inputs.path_hash.to_string();
-        let of_build = |file: &Path, build: &str| {
-            CacheFile::new(file, cache_hash(inputs, settings, build))
-        };
+        let of_build =
+            |file: &Path, build: &str| CacheFile::new(file, cache_hash(inputs, settings, build));
         let source = |file: Option<CacheFile>, found: Option<BakeState>, build: &str| CacheSource {
             file,
             found,
@@ -139,7 +138,12 @@ mod tests {
                 accepted_builds: accepted.iter().map(|build| (*build).to_owned()).collect(),
                 ..JobOptions::default()
             };
-            CacheSource::open(CacheStore::Shared(file.clone()), &inputs, &settings, &options)
+            CacheSource::open(
+                CacheStore::Shared(file.clone()),
+                &inputs,
+                &settings,
+                &options,
+            )
         };
         let none = open(&["older"]).expect("no file yet");
         assert!(none.found.is_none());

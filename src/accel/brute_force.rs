@@ -60,7 +60,7 @@ pub fn disagreement(
     }
     let is_there = match triangles.get(hit.primitive as usize) {
         Some(vertices) => intersect_triangle(ray, *vertices).is_some_and(|(expected, weights)| {
-            // Both are worked out from coordinates, whose size counts where the distance is little.
+            // Both are computed from coordinates, whose size counts where the distance is little.
             let coordinates = vertices
                 .iter()
                 .fold(ray.origin.abs(), |a, b| a.max(b.abs()));

@@ -63,7 +63,7 @@ pub(super) fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn what_is_kept_is_proven_and_nothing_else_is_left() {
+fn what_is_kept_is_verified_and_nothing_else_is_left() {
     let root = tempfile::tempdir().expect("a folder");
     let path = root.path().join("deep/er");
     let folder = FrameFolder::new(&path, sequence("a"), false);

@@ -173,7 +173,7 @@ pub(super) fn through_a_wall(kernel: Kernel) -> f64 {
 }
 
 /// A camera moves 1e-4 m a frame, 1e4 m from the origin, past a post in front of a papered wall. Every
-/// pixel is worked out in double precision; what a frame deviates from that, and what the deviation
+/// pixel is computed in double precision; what a frame deviates from that, and what the deviation
 /// changes from one frame to the next, is a jump that no motion explains.
 pub(super) fn slow_dolly(kernel: Kernel) -> f64 {
     const FRAMES: u32 = 2000;

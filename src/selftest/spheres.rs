@@ -186,7 +186,7 @@ pub(super) fn concentric(kernel: Kernel) -> f64 {
     wrong as f64
 }
 
-/// A ball of 1 m on a sphere of 1e6 m, and a lamp. Worked out with the height above the ground, where
+/// A ball of 1 m on a sphere of 1e6 m, and a lamp. Computed with the height above the ground, where
 /// nothing cancels: c = h (2 r + h).
 struct Ground {
     radius: f64,

@@ -11,7 +11,7 @@ use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// A ray that leaves a point in a direction by chance, its density that of the cosine; the shape that it
+/// A ray that leaves a point in a random direction with the pdf of the cosine; the shape that it
 /// leaves is not excluded.
 fn leave(point: &SurfacePoint, random: &mut Random) -> Ray {
     let local = cosine_hemisphere(random.unit(), random.unit());

@@ -65,7 +65,7 @@ impl Batch {
     }
 }
 
-/// Lines that `verify` says of frames that are neither proven nor missing.
+/// Lines that `verify` says of frames that are neither verified nor missing.
 fn faults(out: &Path) -> Vec<String> {
     let output = flythrough(&["verify", "--quiet", out.to_str().unwrap()]);
     let said = String::from_utf8(output.stdout).unwrap();
@@ -200,7 +200,7 @@ fn asked_to_end_it_gives_up_the_frames_in_flight_and_no_others() {
     }
 }
 
-/// While the light of the path is worked out there is nothing to finish.
+/// While the irradiance cache is baked there is nothing to finish.
 #[test]
 fn asked_to_end_before_the_first_frame() {
     let batch = Batch::new(40);

@@ -63,7 +63,7 @@ fn intervals_hold_the_true_error() {
         let reference = frame(
             &RenderSettings {
                 integrator: monte_carlo(4, &[reference_splits]),
-                // Many more camera rays, too, where they are left to chance.
+                // Many more camera rays, too, where they are random.
                 sampling: match sampling {
                     PixelSampling::Spread(_) => PixelSampling::Spread(256),
                     fixed => fixed,

@@ -1,4 +1,4 @@
-//! Frames that are there are proven, and what is not is rendered again: nothing less, nothing more.
+//! Existing frames are verified, and the rest is rendered again: nothing less, nothing more.
 
 use crate::support::project::{ALL, KEYS, Project, SCENE, keys};
 use crate::support::*;

@@ -49,10 +49,14 @@ struct State<'a> {
 pub(super) fn run(arguments: &StatusArguments) -> Result<Status, Failure> {
     let folder = FrameFolder::open(&arguments.folder)?;
     let sequence = folder.sequence();
-    let (current, missing): (Vec<u32>, Vec<u32>) =
-        (0..sequence.frames).partition(|frame| folder.is_current(*frame));
-    let records = current.iter().filter_map(|frame| folder.record(*frame));
-    let errors = records.filter_map(|record| record.error);
+    let (mut current, mut missing) = (Vec::new(), Vec::new());
+    for frame in 0..sequence.frames {
+        match folder.current_record(frame) {
+            Some(record) => current.push(record),
+            None => missing.push(frame),
+        }
+    }
+    let errors = current.iter().filter_map(|record| record.error);
     let format = sequence.format.to_string();
     let state = State {
         frames: sequence.frames,

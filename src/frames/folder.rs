@@ -250,10 +250,10 @@ impl FrameFolder {
         FrameRecord::from_text(&note).filter(|record| record.frame == frame)
     }
 
-    /// Whether a frame says of itself that it is of this sequence: a quick look at its record. [`FrameFolder::verify`]
-    /// is the proof.
-    pub fn is_current(&self, frame: u32) -> bool {
-        self.record(frame).is_some_and(|record| {
+    /// As [`FrameFolder::record`], of frames that say of themselves that they are of this sequence: a quick look.
+    /// [`FrameFolder::verify`] is the proof.
+    pub fn current_record(&self, frame: u32) -> Option<FrameRecord> {
+        self.record(frame).filter(|record| {
             record.input_hash == self.sequence.input_hashes[frame as usize]
                 && self.sequence.accepts(&record.build)
         })

@@ -6,10 +6,10 @@ use super::verify::VerifyError;
 use super::{FolderError, FrameFolder, SequenceRecord};
 use crate::film::Film;
 use crate::render::{Claim, ErrorEstimate, FrameSink, RenderedFrame, SinkError};
+use crate::storage::fixtures::names;
 use glam::Vec3;
 use ron::value::RawValue;
 use std::fs;
-use std::path::Path;
 
 fn job(scene: &str) -> Box<RawValue> {
     RawValue::from_boxed_ron(format!("Job(scene: {scene:?})").into()).expect("RON")
@@ -51,15 +51,6 @@ fn keep(folder: &FrameFolder, frame: u32) -> Result<(), SinkError> {
     };
     let encoded = folder.encode(frame, rendered(0.5)).expect("encodes");
     folder.keep(frame, slot, &encoded)
-}
-
-/// The names of all files in a folder, in order.
-pub(super) fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("there");
-    let names = entries.map(|e| e.expect("entry").file_name().to_string_lossy().into_owned());
-    let mut names: Vec<String> = names.collect();
-    names.sort();
-    names
 }
 
 #[test]
@@ -218,7 +209,7 @@ fn frames_of_other_builds_are_accepted_knowingly() {
     let folder = FrameFolder::new(root.path(), sequence("a"), false);
     let error = folder.verify(0).expect_err("another build").to_string();
     assert!(error.contains("--accept-build older"), "{error}");
-    assert!(!folder.is_current(0));
+    assert!(folder.current_record(0).is_none());
     assert!(matches!(folder.claim(0, false), Ok(Claim::Granted(_))));
     folder.prepare().expect("new");
     let accepting = SequenceRecord {
@@ -231,7 +222,7 @@ fn frames_of_other_builds_are_accepted_knowingly() {
     folder.verify(0).expect("accepted");
     let opened = FrameFolder::open(root.path()).expect("there");
     assert_eq!(opened.sequence(), &accepting);
-    assert!(opened.is_current(0) && opened.verify(0).is_ok());
+    assert!(opened.current_record(0).is_some() && opened.verify(0).is_ok());
 }
 
 #[test]

@@ -173,16 +173,8 @@ pub fn check_writable(file: &Path) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::fixtures::names;
     use super::*;
-
-    /// The names of all files in a folder, in order.
-    fn names(folder: &Path) -> Vec<String> {
-        let entries = fs::read_dir(folder).expect("there");
-        let names = entries.map(|e| e.expect("entry").file_name().to_string_lossy().into_owned());
-        let mut names: Vec<String> = names.collect();
-        names.sort();
-        names
-    }
 
     #[test]
     fn a_claim_is_exclusive_until_it_ends() {

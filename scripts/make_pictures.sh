@@ -6,15 +6,7 @@ pictures=scenes/pictures
 mkdir -p "$pictures"
 
 command -v cargo >/dev/null || { echo "cargo is missing: install Rust first" >&2; exit 2; }
-missing=()
-command -v ffmpeg >/dev/null || missing+=(ffmpeg)
-command -v img2webp >/dev/null || missing+=(webp)
-if [ ${#missing[@]} -gt 0 ]; then
-    echo "Installing ${missing[*]}"
-    root=; [ "$(id -u)" -eq 0 ] || root=sudo
-    $root apt-get update -qq
-    $root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "${missing[@]}" >/dev/null
-fi
+scripts/install_missing.sh ffmpeg img2webp=webp
 cargo build --release --quiet
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -10,14 +10,7 @@ out=${1:-out}
 shift || true
 
 command -v cargo >/dev/null || { echo "cargo is missing: install Rust first" >&2; exit 2; }
-missing=()
-command -v ffmpeg >/dev/null || missing+=(ffmpeg)
-if [ ${#missing[@]} -gt 0 ]; then
-    echo "Installing ${missing[*]}"
-    root=; [ "$(id -u)" -eq 0 ] || root=sudo
-    $root apt-get update -qq
-    $root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "${missing[@]}" >/dev/null
-fi
+scripts/install_missing.sh ffmpeg
 cargo build --release --quiet
 
 for name in translate_rotate zoom; do

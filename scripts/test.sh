@@ -39,25 +39,10 @@ if [ "$tier" = quick ]; then
     exit
 fi
 
-missing=()
-command -v ffmpeg >/dev/null || missing+=(ffmpeg)
-command -v slurmctld >/dev/null || missing+=(munge slurmctld slurmd slurm-client)
-command -v shellcheck >/dev/null || missing+=(shellcheck)
-command -v pgrep >/dev/null || missing+=(procps)
-python3 -c "import ensurepip" 2>/dev/null || missing+=(python3-venv)
-if [ ${#missing[@]} -gt 0 ]; then
-    step "Installing ${missing[*]}"
-    root=; [ "$(id -u)" -eq 0 ] || root=sudo
-    $root apt-get update -qq
-    $root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "${missing[@]}" >/dev/null
-fi
-openjd=target/openjd
-if [ ! -x $openjd/bin/openjd ]; then
-    step "Installing openjd-cli"
-    python3 -m venv $openjd
-    $openjd/bin/pip install --quiet openjd-cli
-fi
-
+step Tools
+tools=(ffmpeg shellcheck pgrep=procps munged=munge slurmctld slurmd sinfo=slurm-client)
+python3 -c "import ensurepip" 2>/dev/null || tools+=(ensurepip=python3-venv)
+scripts/install_missing.sh "${tools[@]}"
 step Format
 cargo fmt --check
 cargo fmt --check --manifest-path tests/fuzz/Cargo.toml
@@ -101,7 +86,7 @@ done
 step "A farm: Slurm"
 tests/farm/slurm.sh "$out/local"
 step "A farm: Open Job Description"
-PATH=$PWD/$openjd/bin:$PATH tests/farm/openjd.sh "$out/local"
+tests/farm/openjd.sh "$out/local"
 if [ "$tier" = thorough ]; then
     step "The minimum version of Rust"
     .ci/minimum_rust

@@ -4,6 +4,7 @@
 //! Imports are read from the source text: `use` declarations and paths within code, tests included, comments
 //! and strings not.
 
+use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;
@@ -360,73 +361,44 @@ fn absolute(
 }
 
 fn is_word(text: &str) -> bool {
-    text.starts_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '$'))
+    text.starts_with(|c: char| c.is_alphanumeric() || c == '_')
 }
 
-/// Splits Rust's text; comments, strings, characters and lifetimes are left out.
+/// Rust's text without literals, and so without comments.
 fn tokens(text: &str) -> Vec<Token> {
-    let mut tokens: Vec<Token> = Vec::new();
-    let mut rest = text;
-    let mut line = 1;
-    while let Some(first) = rest.chars().next() {
-        let word = rest
-            .find(|c: char| !c.is_alphanumeric() && c != '_')
-            .unwrap_or(rest.len());
-        let hashes = rest[word..].len() - rest[word..].trim_start_matches('#').len();
-        let is_raw =
-            matches!(&rest[..word], "r" | "br" | "cr") && rest[word + hashes..].starts_with('"');
-        let length = if rest.starts_with("//") {
-            rest.find('\n').unwrap_or(rest.len())
-        } else if rest.starts_with("/*") {
-            rest.find("*/").map_or(rest.len(), |end| end + 2)
-        } else if is_raw {
-            let start = word + hashes + 1;
-            let end = format!("\"{}", "#".repeat(hashes));
-            start + rest[start..].find(&end).expect("a raw string ends") + end.len()
-        } else if let Some(literal) = literal(rest) {
-            literal
-        } else if let Some(lifetime) = rest.strip_prefix('\'') {
-            1 + lifetime
-                .find(|c: char| !c.is_alphanumeric() && c != '_')
-                .unwrap_or(0)
-        } else {
-            // In macros: `$name`, and `$crate`.
-            let variable = rest
-                .get(1..)
-                .and_then(|rest| rest.find(|c: char| !c.is_alphanumeric() && c != '_'));
-            let length = match word {
-                0 if rest.starts_with("::") => 2,
-                0 if first == '$' => 1 + variable.unwrap_or(0),
-                0 => first.len_utf8(),
-                word => word,
-            };
-            if !first.is_whitespace() {
-                let token = rest[..length].to_owned();
-                tokens.push((token.replace("$crate", "crate"), line));
-            }
-            length
-        };
-        line += rest[..length].matches('\n').count();
-        rest = &rest[length..];
-    }
+    let stream: TokenStream = text.parse().expect("the compiler read it");
+    let mut tokens = Vec::new();
+    flatten(stream, &mut tokens);
     tokens
 }
 
-/// The length of the string or character that `text` begins with.
-fn literal(text: &str) -> Option<usize> {
-    let quote = text.chars().next().filter(|c| matches!(c, '"' | '\''))?;
-    let mut after = text[1..].chars();
-    // `'a` is a lifetime if no quote follows its first letter.
-    if quote == '\'' && after.next() != Some('\\') && after.next() != Some('\'') {
-        return None;
+fn flatten(stream: TokenStream, tokens: &mut Vec<Token>) {
+    let mut trees = stream.into_iter();
+    while let Some(tree) = trees.next() {
+        let line = tree.span().start().line;
+        match tree {
+            TokenTree::Group(group) => {
+                let [open, close] = match group.delimiter() {
+                    Delimiter::Brace => ["{", "}"],
+                    Delimiter::Parenthesis => ["(", ")"],
+                    Delimiter::Bracket => ["[", "]"],
+                    Delimiter::None => ["", ""],
+                };
+                tokens.push((open.to_owned(), line));
+                flatten(group.stream(), tokens);
+                tokens.push((close.to_owned(), line));
+            }
+            TokenTree::Ident(word) => tokens.push((word.to_string(), line)),
+            TokenTree::Punct(mark) if mark.as_char() == ':' && mark.spacing() == Spacing::Joint => {
+                trees.next();
+                tokens.push(("::".to_owned(), line));
+            }
+            // In macros `$crate` stands for `crate`.
+            TokenTree::Punct(dollar) if dollar.as_char() == '$' => {}
+            TokenTree::Punct(mark) => tokens.push((mark.to_string(), line)),
+            TokenTree::Literal(_) => {}
+        }
     }
-    let mut is_escaped = false;
-    let end = text[1..].find(|c: char| {
-        let ends = c == quote && !is_escaped;
-        is_escaped = c == '\\' && !is_escaped;
-        ends
-    });
-    end.map(|end| end + 2)
 }
 
 /// The files that import each other in circles, with the lines that do.

@@ -65,7 +65,7 @@ mod tests {
     /// What the report prints is what `render` takes for it.
     #[test]
     fn flags_of_techniques_set_what_was_measured() {
-        for technique in techniques().into_iter().filter(|t| t.repeats == 1) {
+        for technique in techniques() {
             let flags = technique.flags();
             let start = ["flythrough", "render", "scene", "path", "--out", "frames"];
             let parsed = Arguments::try_parse_from(start.into_iter().chain(flags.split(' ')));

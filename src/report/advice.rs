@@ -12,10 +12,8 @@ pub(super) fn advice(
     target: f64,
     (width, height): (u32, u32),
 ) -> String {
-    let usual = measurements.iter().filter(|m| m.is_setting);
-    let usual: Vec<&Measurement> = usual.collect();
-    let good = usual.iter().filter(|m| m.spread[1] <= target);
-    let seconds = |of: &&&Measurement| of.full_size_seconds;
+    let good = measurements.iter().filter(|m| m.spread[1] <= target);
+    let seconds = |of: &&Measurement| of.full_size_seconds;
     if let Some(best) = good.min_by(|a, b| seconds(a).total_cmp(&seconds(b))) {
         let baking = match best.bake_seconds / best.full_size_seconds {
             0.0 => String::new(),
@@ -26,9 +24,11 @@ pub(super) fn advice(
             best.flags, best.full_size_seconds, best.relative_square_error,
         );
     }
-    let ahead = (1..usual.len()).filter_map(|last| {
-        let [a, b] = [usual[last - 1], usual[last]];
-        let ends_curve = usual.get(last + 1).is_none_or(|next| next.curve != b.curve);
+    let ahead = (1..measurements.len()).filter_map(|last| {
+        let [a, b] = [&measurements[last - 1], &measurements[last]];
+        let ends_curve = measurements
+            .get(last + 1)
+            .is_none_or(|next| next.curve != b.curve);
         let slope = (b.relative_square_error / a.relative_square_error).ln()
             / (b.full_size_seconds / a.full_size_seconds).ln();
         // An error that falls no more never gets there, and adaptive sampling has a target of its own.
@@ -58,7 +58,6 @@ mod tests {
         Measurement {
             curve,
             flags: flags.to_owned(),
-            is_setting: curve != "none",
             falls_with_samples: true,
             size: (10, 10),
             seconds: 0.01 * seconds,
@@ -85,7 +84,6 @@ mod tests {
             measured("a", "--a 2", 2.0, 0.0095),
             measured("a", "--a 3", 4.0, 0.005),
             measured("b", "--b 1", 3.0, 0.008),
-            measured("none", "--c, the mean of 2 seeds", 0.1, 0.001),
         ];
         // --a 2 is beyond it with some seeds.
         let said = advice(&all, 0.01, (100, 100));

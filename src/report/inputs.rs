@@ -1,13 +1,10 @@
 //! What a report is made from.
 
-use crate::camera::{Camera, CameraPath};
+use crate::camera::CameraPath;
 use crate::input::Settings;
 use crate::render::RenderSettings;
 use crate::scene::Scene;
 use std::path::Path;
-
-/// Columns and rows of the window that stands for a frame where a technique is too slow for all of it.
-pub(super) const TINY: (u32, u32) = (4, 3);
 
 /// What a report is made from.
 #[derive(Debug)]
@@ -43,15 +40,6 @@ impl Inputs<'_> {
     /// Settings of frames of the sequence.
     pub(super) fn resolve(&self, settings: &Settings) -> RenderSettings {
         settings.resolve(self.path.timeline().frame_count())
-    }
-
-    /// The camera of a frame, or of the [`TINY`] window in the middle of the full-size one.
-    pub(super) fn camera(&self, frame: u32, is_tiny: bool) -> Camera {
-        let mut camera = self.path.camera(frame);
-        if is_tiny {
-            camera.half_height *= f64::from(TINY.1) / f64::from(self.full_size().1);
-        }
-        camera
     }
 
     /// A warning of settings in the files that a technique's flags do not override; none if there are none.

@@ -8,7 +8,7 @@ use super::technique::Technique;
 use crate::film::Film;
 use crate::input::Settings;
 use crate::metrics::{Difference, Estimate, Reference, mean};
-use crate::render::{ErrorEstimate, Renderer};
+use crate::render::{RenderedFrame, Renderer};
 use serde::Serialize;
 
 /// Cost and error of a technique: means over frames and seeds.
@@ -18,8 +18,6 @@ pub struct Measurement {
     pub curve: &'static str,
     /// The flags that select it.
     pub flags: String,
-    /// Whether the flags alone give it: not if it is a mean of renderings or measured in a window.
-    pub is_setting: bool,
     /// Whether `--target-error` can be added to the flags, and more samples reduce the error without bound.
     pub falls_with_samples: bool,
     /// Columns and rows.
@@ -54,14 +52,6 @@ pub struct Measurement {
     pub flip: f64,
 }
 
-/// One frame by a technique, and its cost.
-struct Rendering {
-    film: Film,
-    seconds: Seconds,
-    rays: u64,
-    error: Option<ErrorEstimate>,
-}
-
 /// Measures a technique on frames against their references; gives its first picture, too.
 pub(super) fn measure(
     inputs: &Inputs,
@@ -71,39 +61,39 @@ pub(super) fn measure(
     progress: &mut Progress,
 ) -> (Measurement, Film) {
     progress.begin(technique.curve);
+    let size = inputs.size;
     let mut picture = None;
     let mut all = Vec::new();
     let mut by_seed = Vec::new();
     let mut bias_by_seed = Vec::new();
     for seed in 0..inputs.seeds {
         let (mut errors, mut biases) = (Vec::new(), Vec::new());
+        let renderer = renderer(inputs, cache, technique, size, seed);
         for (frame, reference) in references {
-            let size = (reference.mean().width(), reference.mean().height());
-            let renderer = renderer(inputs, cache, technique, size, seed);
-            let rendering = render(inputs, technique, &renderer, *frame);
+            let camera = inputs.path.camera(*frame);
+            let (rendering, seconds) = Seconds::of(|| renderer.render_frame(&camera, *frame));
             let difference = Difference::of(&rendering.film, reference, inputs.exposure());
             errors.push(difference.relative_square_error);
             biases.push(difference.mean_bias);
             picture.get_or_insert_with(|| rendering.film.clone());
-            all.push((rendering, difference));
+            all.push((rendering, seconds, difference));
             progress.step(technique.paths() * pixels(size));
         }
         by_seed.push(mean(&errors));
         bias_by_seed.push(mean(&biases));
     }
     let picture = picture.expect("a frame and a seed");
-    let over = |of: &dyn Fn(&(Rendering, Difference)) -> f64| {
+    let over = |of: &dyn Fn(&(RenderedFrame, Seconds, Difference)) -> f64| {
         mean(&all.iter().map(of).collect::<Vec<f64>>())
     };
-    let seconds = over(&|(rendering, _)| rendering.seconds.wall);
-    let rays = over(&|(rendering, _)| rendering.rays as f64);
-    let own = all.iter().map(|(rendering, _)| rendering.error);
+    let seconds = over(&|(_, seconds, _)| seconds.wall);
+    let rays = over(&|(rendering, ..)| rendering.rays as f64);
+    let own = all.iter().map(|(rendering, ..)| rendering.error);
     let own: Option<Vec<f64>> = own.map(|e| Some(e?.relative_square_error)).collect();
     let mut mean_bias = Estimate::of(&bias_by_seed);
     let variances = references.iter().map(|(_, r)| r.error_of_mean().powi(2));
     let of_references = variances.sum::<f64>().sqrt() / references.len() as f64;
     mean_bias.error = mean_bias.error.hypot(of_references);
-    let size = (picture.width(), picture.height());
     let bake_seconds = match technique.uses_cache() {
         true => cache.bake.seconds_per_frame(),
         false => 0.0,
@@ -111,16 +101,15 @@ pub(super) fn measure(
     let measurement = Measurement {
         curve: technique.curve,
         flags: technique.flags(),
-        is_setting: technique.repeats == 1 && !technique.is_tiny,
         falls_with_samples: technique.falls_with_samples(),
         size,
         seconds,
-        cpu_seconds: over(&|(rendering, _)| rendering.seconds.cpu),
+        cpu_seconds: over(&|(_, seconds, _)| seconds.cpu),
         bake_seconds,
         full_size_seconds: seconds * pixels(inputs.full_size()) / pixels(size) + bake_seconds,
         rays,
         rays_per_second: rays / seconds,
-        rmse: over(&|(_, difference)| difference.square_error)
+        rmse: over(&|(.., difference)| difference.square_error)
             .max(0.0)
             .sqrt(),
         relative_square_error: mean(&by_seed),
@@ -129,10 +118,10 @@ pub(super) fn measure(
             by_seed.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         ],
         own_estimate: own.map(|own| mean(&own)),
-        p95_relative_error: over(&|(_, difference)| difference.p95_relative_error),
+        p95_relative_error: over(&|(.., difference)| difference.p95_relative_error),
         mean_bias: mean_bias.mean,
         mean_bias_interval: mean_bias.interval(inputs.seeds - 1),
-        flip: over(&|(_, difference)| difference.flip),
+        flip: over(&|(.., difference)| difference.flip),
     };
     (measurement, picture)
 }
@@ -147,7 +136,7 @@ pub(super) fn renderer<'a>(
 ) -> Renderer<'a> {
     let of_frames = Settings {
         size: Some(size),
-        seed: Some(seed * technique.repeats),
+        seed: Some(seed),
         ..technique.settings.clone()
     };
     // Samples are the technique's alone, whatever the files set.
@@ -158,29 +147,4 @@ pub(super) fn renderer<'a>(
         ..inputs.given.clone()
     };
     cache.renderer(inputs, inputs.resolve(&of_frames.or(given)))
-}
-
-fn render(inputs: &Inputs, technique: &Technique, renderer: &Renderer, frame: u32) -> Rendering {
-    let camera = inputs.camera(frame, technique.is_tiny);
-    let settings = renderer.settings();
-    let mut rays = 0;
-    let mut error = None;
-    let mut sum = Film::new(settings.width, settings.height);
-    let ((), seconds) = Seconds::of(|| {
-        for repeat in 0..technique.repeats {
-            let renderer = renderer.with_seed(settings.seed + repeat);
-            let rendered = renderer.render_frame(&camera, frame);
-            rays += rendered.rays;
-            error = rendered.error;
-            for (sum, pixel) in sum.pixels_mut().iter_mut().zip(rendered.film.pixels()) {
-                *sum += *pixel / technique.repeats as f32;
-            }
-        }
-    });
-    Rendering {
-        film: sum,
-        seconds,
-        rays,
-        error: error.filter(|_| technique.repeats == 1),
-    }
 }

@@ -33,7 +33,7 @@ pub use reference::ReferenceRow;
 pub use technique::{Technique, techniques};
 
 use baked_cache::BakedCache;
-use inputs::{TINY, pixels};
+use inputs::pixels;
 use pictures::strip_of;
 use progress::Progress;
 
@@ -56,17 +56,12 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
     let written_last = inputs.folder.join("report.md");
     check_writable(&written_last).map_err(|source| ReportError::file(&written_last, source))?;
 
-    let usual_references = reference::references(inputs, false, &mut progress)?;
-    let tiny_references = reference::references(inputs, true, &mut progress)?;
+    let references = reference::references(inputs, &mut progress)?;
     let cache = BakedCache::new(inputs, &mut progress);
     let mut measurements: Vec<Measurement> = Vec::new();
     for (number, technique) in techniques.iter().enumerate() {
-        let references = match technique.is_tiny {
-            true => &tiny_references,
-            false => &usual_references,
-        };
         let (measured, picture) =
-            measure::measure(inputs, &cache, technique, references, &mut progress);
+            measure::measure(inputs, &cache, technique, &references, &mut progress);
         let next = techniques.get(number + 1);
         if next.is_none_or(|next| next.curve != technique.curve) {
             let strip = pictures::strip(inputs, &picture, &references[0].1)?;
@@ -83,8 +78,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         relative_square_error: reference.relative_square_error(inputs.exposure()),
     };
     let full_size = inputs.full_size();
-    let references = usual_references.iter().chain(&tiny_references);
-    let references: Vec<ReferenceRow> = references.map(quality).collect();
+    let references: Vec<ReferenceRow> = references.iter().map(quality).collect();
     let mut advice: Vec<String> = TARGETS
         .map(|target| advice::advice(&measurements, target, full_size))
         .to_vec();
@@ -117,18 +111,10 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
 
 /// About how many paths the whole report traces.
 fn work(inputs: &Inputs, techniques: &[Technique]) -> f64 {
-    let usual = pixels(inputs.size) * inputs.frames.len() as f64;
-    let of_technique = |technique: &Technique| {
-        let pixels = if technique.is_tiny {
-            pixels(TINY)
-        } else {
-            usual
-        };
-        technique.paths() * pixels * f64::from(inputs.seeds)
-    };
-    techniques.iter().map(of_technique).sum::<f64>()
-        + reference::work(inputs, false) * usual
-        + reference::work(inputs, true) * pixels(TINY)
+    let frames = inputs.frames.len() as f64;
+    let of_pixel: f64 = techniques.iter().map(Technique::paths).sum();
+    of_pixel * pixels(inputs.size) * frames * f64::from(inputs.seeds)
+        + reference::work(inputs) * frames
         + baked_cache::work(inputs)
         + bias::work(inputs, techniques)
         + flicker::work(inputs.path.timeline().frame_count())

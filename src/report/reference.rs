@@ -1,7 +1,7 @@
 //! References of the frames that are measured: made once, and kept in the folder of the report.
 
 use super::error::ReportError;
-use super::inputs::{Inputs, TINY};
+use super::inputs::{Inputs, pixels};
 use super::progress::Progress;
 use crate::frames::{decode_exr, encode_exr, note_of_exr};
 use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Settings};
@@ -25,52 +25,39 @@ pub struct ReferenceRow {
 /// Far from the seeds of what is measured, so that the noise is independent.
 const SEED: u32 = 1 << 24;
 
-/// The references of the frames that are measured, or of the tiny window, by frame.
+/// The references of the frames that are measured, by frame.
 pub(super) fn references(
     inputs: &Inputs,
-    is_tiny: bool,
     progress: &mut Progress,
 ) -> Result<Vec<(u32, Reference)>, ReportError> {
-    let (size, frames) = if is_tiny {
-        (TINY, &inputs.frames[..1])
-    } else {
-        (inputs.size, &inputs.frames[..])
-    };
     progress.begin("references");
-    let made = frames.iter().map(|&frame| {
-        let made = reference(inputs, size, is_tiny, frame)?;
-        progress.step(work(inputs, is_tiny) * f64::from(size.0 * size.1));
+    let made = inputs.frames.iter().map(|&frame| {
+        let made = reference(inputs, frame)?;
+        progress.step(work(inputs));
         Ok((frame, made))
     });
     made.collect()
 }
 
-/// About how many paths each pixel of a reference takes: an error of 0.1 for each path.
-pub(super) fn work(inputs: &Inputs, is_tiny: bool) -> f64 {
-    0.1 / wanted_error(inputs, is_tiny)
+/// About how many paths a reference takes: an error of 0.1 for each path of a pixel.
+pub(super) fn work(inputs: &Inputs) -> f64 {
+    0.1 / wanted_error(inputs) * pixels(inputs.size)
 }
 
-/// The relMSE of a reference. Techniques that trace a million paths in each pixel of the window need a better one.
-fn wanted_error(inputs: &Inputs, is_tiny: bool) -> f64 {
-    let factor = if is_tiny { 0.01 } else { 1.0 };
-    (factor * inputs.reference_error).max(MIN_TARGET_ERROR)
+/// The relMSE of a reference.
+fn wanted_error(inputs: &Inputs) -> f64 {
+    inputs.reference_error.max(MIN_TARGET_ERROR)
 }
 
 /// The reference of one frame: montecarlo with adaptive sampling until its own estimated relMSE is below what the report asks
 /// for. It is rendered once, and kept with a hash of all its inputs.
-fn reference(
-    inputs: &Inputs,
-    size: (u32, u32),
-    is_tiny: bool,
-    frame: u32,
-) -> Result<Reference, ReportError> {
-    let settings = settings(inputs, size, is_tiny);
+fn reference(inputs: &Inputs, frame: u32) -> Result<Reference, ReportError> {
+    let settings = settings(inputs);
     let folder = inputs.folder.join("references");
-    let camera = inputs.camera(frame, is_tiny);
+    let camera = inputs.path.camera(frame);
     let inputs_of_it = format!("{} {settings:?} {camera:?} {frame}", inputs.fingerprint);
     let fingerprint = blake3::hash(inputs_of_it.as_bytes()).to_string();
-    let kind = if is_tiny { "window" } else { "frame" };
-    let files = ["a", "b"].map(|half| folder.join(format!("{kind}_{frame:05}_{half}.exr")));
+    let files = ["a", "b"].map(|half| folder.join(format!("frame_{frame:05}_{half}.exr")));
     let cached = files.each_ref().map(|file| {
         let is_it = note_of_exr(file).is_ok_and(|note| note.as_deref() == Some(&*fingerprint));
         is_it
@@ -101,15 +88,15 @@ pub(super) fn advice(inputs: &Inputs, references: &[ReferenceRow]) -> Option<Str
     })
 }
 
-fn settings(inputs: &Inputs, size: (u32, u32), is_tiny: bool) -> RenderSettings {
+fn settings(inputs: &Inputs) -> RenderSettings {
     let settings = Settings {
         mode: Some(Mode::Montecarlo),
         gi: Some(GlobalIllumination::PathTraced),
-        size: Some(size),
+        size: Some(inputs.size),
         samples: Some(16),
         splits: Some(vec![2]),
         seed: Some(SEED),
-        target_error: Some(wanted_error(inputs, is_tiny)),
+        target_error: Some(wanted_error(inputs)),
         ..Settings::default()
     };
     inputs.resolve(&settings.or(inputs.given.clone()))

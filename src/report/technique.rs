@@ -12,10 +12,6 @@ pub struct Technique {
     pub curve: &'static str,
     /// What it sets; the rest is the sequence's own.
     pub settings: Settings,
-    /// How many renderings, each with another seed, are averaged.
-    pub repeats: u32,
-    /// Whether it is so slow that it renders only a tiny window of the first frame.
-    pub is_tiny: bool,
     /// Whether its bias is checked: at most one of each curve is.
     pub is_checked: bool,
 }
@@ -35,8 +31,6 @@ pub fn techniques() -> Vec<Technique> {
                 gi: Some(GlobalIllumination::PathTraced),
                 ..Settings::default()
             },
-            repeats: 1,
-            is_tiny: false,
             is_checked: number == points.len() / 2,
         };
         points.iter().enumerate().map(technique).collect()
@@ -51,8 +45,6 @@ pub fn techniques() -> Vec<Technique> {
             gi: Some(GlobalIllumination::PathTraced),
             ..Settings::default()
         },
-        repeats: 1,
-        is_tiny: false,
         is_checked: target == 0.003,
     });
     let cached = curve(
@@ -70,30 +62,6 @@ pub fn techniques() -> Vec<Technique> {
             gi: Some(GlobalIllumination::Cached),
             ..technique.settings
         },
-        ..technique
-    });
-    // A rendering with one sample has two paths, one in each half buffer.
-    let single = curve("independent seeds", Montecarlo, &[(Some(1), &[1])]);
-    let independent = [2, 8, 32].map(|repeats| Technique {
-        repeats,
-        is_checked: false,
-        ..single[0].clone()
-    });
-    let tiny = [
-        curve(
-            "tiny: montecarlo",
-            Montecarlo,
-            &[(None, &[32]), (None, &[512])],
-        ),
-        curve(
-            "tiny: 32 splits at every bounce",
-            Montecarlo,
-            &[(None, &[32, 32, 32, 32])],
-        ),
-    ];
-    let tiny = tiny.concat().into_iter().map(|technique| Technique {
-        is_tiny: true,
-        is_checked: false,
         ..technique
     });
     let mut all = [
@@ -138,8 +106,6 @@ pub fn techniques() -> Vec<Technique> {
     .concat();
     all.extend(cached);
     all.extend(targets);
-    all.extend(independent);
-    all.extend(tiny);
     all
 }
 
@@ -167,9 +133,6 @@ impl Technique {
         }
         if *gi == Some(GlobalIllumination::Cached) {
             flags += " --gi cached";
-        }
-        if self.repeats > 1 {
-            flags += &format!(", the mean of {} seeds", self.repeats);
         }
         flags
     }
@@ -201,7 +164,7 @@ impl Technique {
             .settings
             .target_error
             .map_or(1.0, |target| 0.1 / target);
-        f64::from(samples) * paths * f64::from(self.repeats) * wanted
+        f64::from(samples) * paths * wanted
     }
 }
 

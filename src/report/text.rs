@@ -89,8 +89,7 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
          aliasing where a pixel's samples are not spread.\n\
          * p95 error: the 95th percentile of the relative errors.\n\
          * mean bias: with its 95 % confidence interval in brackets.\n\
-         * FLIP: how visible the errors are when picture and reference alternate (Andersson et al. 2020).\n\
-         * tiny: a window in the middle of the first frame, at full size.\n\n\
+         * FLIP: how visible the errors are when picture and reference alternate (Andersson et al. 2020).\n\n\
          {}\n",
         frames.join(", "),
         report.seeds,

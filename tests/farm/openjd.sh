@@ -2,7 +2,7 @@
 # Runs scripts/openjd.yaml with the `openjd` command line, kills it in the middle of a chunk, picks up what is
 # missing, and compares the frames with those of a local run.
 #
-# Needs `openjd` (PyPI: openjd-cli) and ffmpeg.
+# Needs ffmpeg and Python's venv.
 #
 #   tests/farm/openjd.sh [LOCAL]
 #
@@ -23,7 +23,7 @@ flythrough render "${input[@]}" --out "$local" $options --quiet
 
 frames=$dir/frames
 run() {
-    openjd run scripts/openjd.yaml -p Scene="${input[0]}" -p Path="${input[1]}" -p Frames="$1" \
+    .ci/tool openjd-cli==0.8.0 openjd run scripts/openjd.yaml -p Scene="${input[0]}" -p Path="${input[1]}" -p Frames="$1" \
         -p Out="$frames" -p Video="$dir/zoom.mp4" -p Options="$options" > "$dir/log" 2>&1
 }
 run 0-54 &

@@ -1,8 +1,8 @@
-//! The modules of the crate import only from lower layers of the table in `src/lib.rs`, and no source files
-//! import each other in a circle.
+//! The modules of the crate import only from lower layers of the table in `src/lib.rs`, and source files have no
+//! import cycles.
 //!
-//! Imports are read from the source text: `use` declarations and paths within code, tests included, comments
-//! and strings not.
+//! Imports are read from the source text: `use` declarations and paths in code, that of tests included, but not those
+//! in comments and strings.
 
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,16 +13,16 @@ use std::path::Path;
 /// Segments of a path from the crate's root, as in `accel::node`.
 type ModulePath = Vec<String>;
 
-/// A word, `::` or a single other character, and its line, from 1.
+/// A word, `::` or any other character, and its line, from 1.
 type Token = (String, usize);
 
-/// One place where a file names something of this crate.
+/// An item of this crate that a file names.
 #[derive(Clone, Debug)]
 struct Import {
     /// From the crate's root; the last segment may be `*`.
     path: ModulePath,
     line: usize,
-    /// The name that a `use` declaration gives it, and whether the declaration is public.
+    /// The name that a `use` declaration binds it to, and whether the declaration is public.
     bound: Option<(String, bool)>,
 }
 
@@ -32,17 +32,17 @@ struct SourceFile {
     /// As in `src/accel/node.rs`.
     name: String,
     imports: Vec<Import>,
-    /// Words that stand outside `use` declarations.
+    /// Words outside `use` declarations.
     words: BTreeSet<String>,
 }
 
-/// All source files by the modules that they hold; `src/lib.rs` is the empty path.
+/// All source files by their modules; `src/lib.rs` is the empty path.
 type Crate = BTreeMap<ModulePath, SourceFile>;
 
 #[test]
 fn modules_import_only_from_lower_layers() {
     let layers = layers(&root_text());
-    let mut faults = String::new();
+    let mut violations = String::new();
     for (module, file) in &read_crate() {
         let Some(own) = module.first() else { continue };
         for Import { path, line, .. } in &file.imports {
@@ -50,23 +50,23 @@ fn modules_import_only_from_lower_layers() {
             let (Some(layer), Some(other)) = (layers.get(own), layers.get(&path[0])) else {
                 let path = path.join("::");
                 writeln!(
-                    faults,
-                    "{name}:{line}: crate::{path} is in no module of the table"
+                    violations,
+                    "{name}:{line}: crate::{path} is of no module in the table"
                 )
-                .expect("a string takes all");
+                .expect("a string can be written to");
                 continue;
             };
             if path[0] != *own && other >= layer {
                 let imported = &path[0];
                 writeln!(
-                    faults,
+                    violations,
                     "{name}:{line}: `{own}` (layer {layer}) imports `{imported}` (layer {other})"
                 )
-                .expect("a string takes all");
+                .expect("a string can be written to");
             }
         }
     }
-    assert!(faults.is_empty(), "\n{faults}");
+    assert!(violations.is_empty(), "\n{violations}");
 }
 
 #[test]
@@ -83,21 +83,24 @@ fn the_table_of_layers_has_every_module_once() {
 }
 
 #[test]
-fn no_files_import_each_other_in_a_circle() {
-    let circles = circles(&read_crate());
-    assert!(circles.is_empty(), "\n{circles}");
+fn no_files_import_each_other_in_a_cycle() {
+    let cycles = cycles(&read_crate());
+    assert!(cycles.is_empty(), "\n{cycles}");
 }
 
 #[test]
 fn every_file_says_what_it_holds() {
-    let mut silent = Vec::new();
+    let mut without_doc = Vec::new();
     for file in read_crate().into_values() {
         let text = fs::read_to_string(root().join(&file.name)).expect("text");
         if !text.starts_with("//! ") {
-            silent.push(file.name);
+            without_doc.push(file.name);
         }
     }
-    assert!(silent.is_empty(), "without `//!` at the top: {silent:#?}");
+    assert!(
+        without_doc.is_empty(),
+        "no `//!` at the top: {without_doc:#?}"
+    );
 }
 
 #[test]
@@ -146,7 +149,7 @@ fn every_form_of_import_is_found() {
 }
 
 #[test]
-fn circles_are_found_through_names_that_a_parent_hands_on() {
+fn cycles_are_found_through_reexports() {
     let file = |module: &str, text: &str, children: &[&str]| {
         let module: ModulePath = module.split("::").map(str::to_owned).collect();
         let children = children
@@ -169,12 +172,12 @@ fn circles_are_found_through_names_that_a_parent_hands_on() {
         &["a", "b"],
     );
     let a = file("m::a", "use super::{B, M}; pub struct A;", &[]);
-    let straight = file("m::b", "use super::M; pub struct B;", &[]);
-    let back = file("m::b", "use super::A; pub struct B;", &[]);
+    let acyclic = file("m::b", "use super::M; pub struct B;", &[]);
+    let cyclic = file("m::b", "use super::A; pub struct B;", &[]);
     let files = |b| Crate::from([parent.clone(), a.clone(), b]);
-    assert_eq!(circles(&files(straight)), "");
-    let found = circles(&files(back));
-    assert_eq!(found, "circle:\n  m/a:1 -> m/b\n  m/b:1 -> m/a\n");
+    assert_eq!(cycles(&files(acyclic)), "");
+    let found = cycles(&files(cyclic));
+    assert_eq!(found, "cycle:\n  m/a:1 -> m/b\n  m/b:1 -> m/a\n");
 }
 
 fn root() -> &'static Path {
@@ -196,13 +199,13 @@ fn layers(text: &str) -> BTreeMap<String, u32> {
         for module in cells[1].split(", ") {
             let module = module.trim_start_matches("[`").trim_end_matches("`]");
             let earlier = layers.insert(module.to_owned(), layer);
-            assert_eq!(earlier, None, "`{module}` stands twice in the table");
+            assert_eq!(earlier, None, "`{module}` is in the table twice");
         }
     }
     layers
 }
 
-/// Reads all files under `src/` but the program's.
+/// Reads all files under `src/` but `main.rs`.
 fn read_crate() -> Crate {
     let mut texts = BTreeMap::new();
     let mut folders = vec![root().join("src")];
@@ -243,8 +246,8 @@ fn read_crate() -> Crate {
     files.collect()
 }
 
-/// The imports of the file of `module`, and the words outside its `use` declarations. `modules` are those with
-/// files of their own.
+/// The imports of the file of `module`, and the words outside its `use` declarations. `modules` are all modules that
+/// have a file.
 fn parse(
     text: &str,
     module: &[String],
@@ -254,7 +257,7 @@ fn parse(
     let at = |i: usize| tokens.get(i).map_or("", |(text, _)| &text[..]);
     let mut imports = Vec::new();
     let mut words = BTreeSet::new();
-    // For every bracket that is open: the module that it holds, if any.
+    // For every open brace the inline module that it begins, if any.
     let mut open: Vec<Option<String>> = Vec::new();
     let mut i = 0;
     while i < tokens.len() {
@@ -297,7 +300,8 @@ fn parse(
     (imports, words)
 }
 
-/// The leaves of a `use` tree from token `i` on, each with the name it is bound to; returns where it ends.
+/// Collects the leaves of a `use` tree from token `i` on, each with the name it is bound to. Returns the token after
+/// the tree.
 fn use_tree(
     tokens: &[Token],
     mut i: usize,
@@ -333,8 +337,8 @@ fn use_tree(
     i
 }
 
-/// The path from the crate's root of what stands as `path` in the module `inline` of the file of `module`; none
-/// if it is another crate's, or a name that came through an import.
+/// The path from the crate's root of `path` in the module `inline` of the file of `module`; none if it names another
+/// crate or an imported name.
 fn absolute(
     path: &[String],
     module: &[String],
@@ -346,11 +350,11 @@ fn absolute(
         "crate" => Some(path[1..].to_vec()),
         "self" => Some([&here, &path[1..]].concat()),
         "super" => {
-            let ups = path
+            let parents = path
                 .iter()
                 .take_while(|segment| *segment == "super")
                 .count();
-            Some([&here[..here.len().checked_sub(ups)?], &path[ups..]].concat())
+            Some([&here[..here.len().checked_sub(parents)?], &path[parents..]].concat())
         }
         _ => {
             // A child of the file's module, which tests within the file see as well.
@@ -364,9 +368,9 @@ fn is_word(text: &str) -> bool {
     text.starts_with(|c: char| c.is_alphanumeric() || c == '_')
 }
 
-/// Rust's text without literals, and so without comments.
+/// The tokens of Rust source text, without literals and comments.
 fn tokens(text: &str) -> Vec<Token> {
-    let stream: TokenStream = text.parse().expect("the compiler read it");
+    let stream: TokenStream = text.parse().expect("it compiles");
     let mut tokens = Vec::new();
     flatten(stream, &mut tokens);
     tokens
@@ -401,8 +405,8 @@ fn flatten(stream: TokenStream, tokens: &mut Vec<Token>) {
     }
 }
 
-/// The files that import each other in circles, with the lines that do.
-fn circles(files: &Crate) -> String {
+/// The files that import each other in cycles, with the lines of the imports.
+fn cycles(files: &Crate) -> String {
     let edges: BTreeMap<&ModulePath, BTreeMap<&ModulePath, usize>> = files
         .keys()
         .map(|module| (module, edges(files, module)))
@@ -421,7 +425,7 @@ fn circles(files: &Crate) -> String {
         .keys()
         .map(|module| (module, reached(module)))
         .collect();
-    let mut told = BTreeSet::new();
+    let mut listed = BTreeSet::new();
     let mut text = String::new();
     for module in files
         .keys()
@@ -430,31 +434,31 @@ fn circles(files: &Crate) -> String {
         let is_in = |other: &&ModulePath| {
             reached[module].contains(other) && reached[*other].contains(module)
         };
-        if told.contains(module) {
+        if listed.contains(module) {
             continue;
         }
-        text.push_str("circle:\n");
+        text.push_str("cycle:\n");
         for member in files.keys().filter(is_in) {
-            told.insert(member);
+            listed.insert(member);
             for (to, line) in edges[member].iter().filter(|(to, _)| is_in(to)) {
                 let (from, to) = (&files[member].name, &files[*to].name);
-                writeln!(text, "  {from}:{line} -> {to}").expect("a string takes all");
+                writeln!(text, "  {from}:{line} -> {to}").expect("a string can be written to");
             }
         }
     }
     text
 }
 
-/// The files whose contents the file of `module` needs, each with the first line that says so. Names that a
-/// parent only hands on from its children are no need of its own.
+/// The files that the file of `module` depends on, each with the first line of an import. Names that a parent only
+/// re-exports from its children do not count.
 fn edges<'a>(files: &'a Crate, module: &ModulePath) -> BTreeMap<&'a ModulePath, usize> {
     let file = &files[module];
     let mut edges = BTreeMap::new();
     for Import { path, line, bound } in &file.imports {
-        let hands_on = bound
+        let is_reexport = bound
             .as_ref()
             .is_some_and(|(name, is_public)| *is_public && !file.words.contains(name));
-        if hands_on && path.starts_with(module) {
+        if is_reexport && path.starts_with(module) {
             continue;
         }
         let mut found = BTreeSet::new();
@@ -467,7 +471,7 @@ fn edges<'a>(files: &'a Crate, module: &ModulePath) -> BTreeMap<&'a ModulePath, 
     edges
 }
 
-/// The files that hold what `path` names, followed through the `use` declarations of its modules.
+/// The files that define what `path` names, which is followed through the `use` declarations of its modules.
 fn origins<'a>(
     files: &'a Crate,
     path: &[String],
@@ -482,18 +486,18 @@ fn origins<'a>(
         [] => ("", &[][..]),
         [name, rest @ ..] => (&name[..], rest),
     };
-    let mut is_handed_on = false;
+    let mut is_reexported = false;
     for import in file.imports.iter().filter(|_| depth < 8) {
         if import
             .bound
             .as_ref()
             .is_some_and(|(bound, is_public)| bound == name || (name == "*" && *is_public))
         {
-            is_handed_on = true;
+            is_reexported = true;
             origins(files, &[&import.path[..], rest].concat(), depth + 1, found);
         }
     }
-    if !is_handed_on || name == "*" {
+    if !is_reexported || name == "*" {
         found.insert(module);
     }
 }

@@ -116,7 +116,7 @@ mod tests {
                 .map(|_| {
                     let [a, b, c] = random.triangle(1.0, 0.3);
                     match kind {
-                        // Points, needles, all in one place, far from the origin.
+                        // Points, needles, coincident, far from the origin.
                         0 => [a, a, a],
                         1 => [a, b, a.lerp(b, 0.5)],
                         2 => [Vec3::ZERO, Vec3::X, Vec3::Y],

@@ -77,7 +77,7 @@ fn a_few_random_scenes() {
     }
 }
 
-/// A scene of one kind of difficult shapes, at some scale and place, and rays to vertices and edges, along axes
+/// A scene of one kind of difficult shapes, of any scale and position, and rays to vertices and edges, along axes
 /// and from points on the shapes.
 fn check_scene(random: &mut Numbers) {
     let pick = |random: &mut Numbers, count: usize| (random.unit() * count as f32) as usize;
@@ -91,7 +91,7 @@ fn check_scene(random: &mut Numbers) {
             let at = random.vector(1.0);
             let (a, b) = (random.vector(0.3), random.vector(0.3));
             let vertices = match kind {
-                // Soup; on a grid, flat; needles; fans around few points; many at one place.
+                // Soup; on a grid, flat; needles; fans around few points; many that coincide.
                 0 => [at, at + a, at + b],
                 1 => {
                     let mut vertices = [at, at + a, at + b].map(|p| snap(p, 8.0));

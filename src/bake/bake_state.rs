@@ -3,7 +3,6 @@
 use super::candidates::{FrameProbe, candidates};
 use super::gather::{Gathering, Purpose};
 use super::gradients::fit_gradients;
-use super::order::van_der_corput_order;
 use super::placement::{Candidate, Placement, Spacing};
 use crate::camera::CameraPath;
 use crate::integrator::FinalGather;
@@ -11,6 +10,7 @@ use crate::irradiance_cache::{
     IrradianceCache, IrradianceRecords, PrimaryIrradiance, SecondaryIrradiance,
 };
 use crate::render::ErrorEstimate;
+use crate::sampling::van_der_corput_order;
 use crate::scene::Scene;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};

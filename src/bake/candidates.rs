@@ -1,12 +1,11 @@
 //! Candidates for primary records: points that the pixels of a frame see.
 
-use super::order::van_der_corput_order;
 use super::placement::Candidate;
 use crate::accel::Traversal;
 use crate::camera::Camera;
 use crate::integrator::visible_points;
 use crate::math::Ray;
-use crate::sampling::Sequence;
+use crate::sampling::{Sequence, van_der_corput_order};
 use crate::scene::Scene;
 use glam::DVec2;
 use rayon::prelude::*;

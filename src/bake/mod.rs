@@ -16,7 +16,6 @@ mod cache_file;
 mod candidates;
 mod gather;
 mod gradients;
-mod order;
 mod placement;
 mod validation;
 

@@ -42,7 +42,7 @@ pub(super) struct AuditArguments {
 
 pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<Status, Failure> {
     let out = absolute(&arguments.folder)?;
-    let folder = open_folder(&out, &arguments.inputs.accepted_builds)?;
+    let folder = open_folder(&out, &arguments.inputs.options().accepted_builds)?;
     let mut job = arguments.inputs.job_of(&folder)?;
     warn(&job.inputs().scene.warnings);
     let sequence = job.sequence(&out)?;

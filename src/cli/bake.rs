@@ -1,11 +1,11 @@
 //! `bake`: the irradiance cache of a camera path, for jobs that share it; and what other commands say when they bake.
 
 use super::job_args::{InputArguments, SettingsArguments, ThreadsArgument};
-use super::outcome::{Failure, Status, say, warn};
+use super::outcome::{Failure, Status, error_summary, say, warn};
 use super::progress::{FractionProgress, clock};
 use crate::bake::Baked;
 use crate::job::{BakeOutcome, Job, JobOptions, Spec};
-use crate::render::{ErrorEstimate, RenderSettings};
+use crate::render::RenderSettings;
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -91,16 +91,9 @@ fn summary(baked: &Baked) -> String {
     let megabytes = baked.cache.memory() as f64 / 1e6;
     let mut summary =
         format!("  {primary} primary, {secondary} secondary records, {megabytes:.1} MB in memory");
-    let errors = || (0..).zip(baked.errors.iter());
-    let of = |error: &ErrorEstimate| error.relative_square_error;
-    if let Some((frame, worst)) = errors().max_by(|a, b| of(a.1).total_cmp(&of(b.1))) {
-        let mean = errors().map(|(_, e)| of(e)).sum::<f64>() / errors().count() as f64;
-        let [low, high] = worst.interval();
-        summary += &format!(
-            "\n  cache error (relMSE) {mean:.2e} on average, at worst {:.2e} ({low:.2e} to {high:.2e}) around frame \
-             {frame}",
-            of(worst)
-        );
+    let errors: Vec<_> = (0..).zip(baked.errors.iter().copied()).collect();
+    if let Some(errors) = error_summary(&errors) {
+        summary += &format!("\n  cache error (relMSE) {errors}");
     }
     summary
 }

@@ -1,4 +1,4 @@
-//! Lists of frames as the user writes them, and the orders in which they are rendered.
+//! Lists of frames as the user writes them.
 
 use std::str::FromStr;
 
@@ -70,13 +70,6 @@ pub(super) fn ranges(numbers: &[u32]) -> String {
     runs.collect::<Vec<_>>().join(",")
 }
 
-/// Puts frames of a path of `count` in the order of their numbers' bits, read backwards: whatever comes first is
-/// spread over the path.
-pub(super) fn coarse_to_fine(frames: &mut [u32], count: u32) {
-    let bits = count.next_power_of_two().trailing_zeros();
-    frames.sort_by_key(|frame| u64::from(frame.reverse_bits()) >> (32 - bits));
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -90,29 +83,6 @@ mod tests {
         ] {
             assert_eq!(ranges(numbers), expected);
             assert_eq!(frames(expected, 9), Ok(numbers.to_vec()));
-        }
-    }
-
-    /// The first 2^n of them are nowhere further apart than one part of the path in 2^n.
-    #[test]
-    fn coarse_frames_are_spread_over_the_path() {
-        let mut all: Vec<u32> = (0..8).collect();
-        coarse_to_fine(&mut all, 8);
-        assert_eq!(all, [0, 4, 2, 6, 1, 5, 3, 7]);
-        for count in [1, 2, 3, 49, 240, 1000] {
-            let mut frames: Vec<u32> = (0..count).collect();
-            coarse_to_fine(&mut frames, count);
-            for parts in [1_u32, 2, 4, 8] {
-                let part = count.next_power_of_two() / parts.min(count);
-                let mut first = frames[..parts.min(count) as usize].to_vec();
-                first.push(count);
-                first.sort_unstable();
-                assert_eq!(first[0], 0);
-                let gaps = first.windows(2).map(|pair| pair[1] - pair[0]);
-                assert!(gaps.max() <= Some(part.max(1)), "{count}: {first:?}");
-            }
-            frames.sort_unstable();
-            assert_eq!(frames, (0..count).collect::<Vec<_>>());
         }
     }
 

@@ -24,6 +24,26 @@ pub(super) struct ThreadsArgument {
     pub(super) threads: Option<NonZeroUsize>,
 }
 
+/// How a job is done.
+#[derive(Debug, Args)]
+struct JobOptionArguments {
+    /// Take frames and caches of another build for this one's (--version shows the build); may be given several times
+    #[arg(long = "accept-build", value_name = "ID")]
+    accepted_builds: Vec<String>,
+    #[command(flatten)]
+    threads: ThreadsArgument,
+}
+
+impl JobOptionArguments {
+    fn options(&self) -> JobOptions {
+        JobOptions {
+            threads: self.threads.threads,
+            rebake: false,
+            accepted_builds: self.accepted_builds.clone(),
+        }
+    }
+}
+
 /// What decides the frames of a sequence, and how they are made.
 #[derive(Debug, Args)]
 pub(super) struct JobArguments {
@@ -42,11 +62,8 @@ pub(super) struct JobArguments {
     /// half the difference of its A and B half buffers, in linear light
     #[arg(long, value_enum, value_name = "LAYER")]
     aov: Option<AovArgument>,
-    /// Take frames and caches of another build for this one's (--version shows the build); may be given several times
-    #[arg(long = "accept-build", value_name = "ID")]
-    accepted_builds: Vec<String>,
     #[command(flatten)]
-    threads: ThreadsArgument,
+    options: JobOptionArguments,
 }
 
 impl JobArguments {
@@ -64,9 +81,8 @@ impl JobArguments {
     /// With `rebake`, a shared cache that cannot be used is baked anew.
     pub(super) fn options(&self, rebake: bool) -> JobOptions {
         JobOptions {
-            threads: self.threads.threads,
             rebake,
-            accepted_builds: self.accepted_builds.clone(),
+            ..self.options.options()
         }
     }
 }
@@ -80,22 +96,19 @@ pub(super) struct RecordedJobArguments {
     /// The camera path file [default: as recorded in the folder]
     #[arg(long, value_name = "FILE")]
     path: Option<PathBuf>,
-    /// Take frames of another build for this one's (--version shows the build); may be given several times
-    #[arg(long = "accept-build", value_name = "ID")]
-    pub(super) accepted_builds: Vec<String>,
     #[command(flatten)]
-    pub(super) threads: ThreadsArgument,
+    options: JobOptionArguments,
 }
 
 impl RecordedJobArguments {
     /// The job by which the frames of a folder were asked for, with its inputs as they are now.
     pub(super) fn job_of(&self, folder: &FrameFolder) -> Result<Job, JobError> {
-        let options = JobOptions {
-            threads: self.threads.threads,
-            rebake: false,
-            accepted_builds: self.accepted_builds.clone(),
-        };
-        Job::of_folder(folder, self.scene.clone(), self.path.clone(), &options)
+        let (scene, path) = (self.scene.clone(), self.path.clone());
+        Job::of_folder(folder, scene, path, &self.options())
+    }
+
+    pub(super) fn options(&self) -> JobOptions {
+        self.options.options()
     }
 }
 

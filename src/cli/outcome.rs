@@ -1,5 +1,6 @@
 //! How a command ends, and what it says: exit status, errors, results and warnings.
 
+use crate::render::ErrorEstimate;
 use std::fmt;
 use std::io::{self, Write};
 use std::path::Path;
@@ -45,6 +46,19 @@ pub(super) fn written(file: &Path, result: io::Result<()>) -> Result<(), Failure
 /// Prints a line of a result. A reader that has gone is no error: the exit status says what matters.
 pub(super) fn say(line: fmt::Arguments) {
     let _ = writeln!(io::stdout(), "{line}");
+}
+
+/// The mean and the worst of the errors of frames; none where there are none.
+pub(super) fn error_summary(errors: &[(u32, ErrorEstimate)]) -> Option<String> {
+    let error = |(_, error): &(u32, ErrorEstimate)| error.relative_square_error;
+    let worst = errors.iter().max_by(|a, b| error(a).total_cmp(&error(b)))?;
+    let mean = errors.iter().map(error).sum::<f64>() / errors.len() as f64;
+    let [low, high] = worst.1.interval();
+    Some(format!(
+        "{mean:.2e} on average, at worst {:.2e} ({low:.2e} to {high:.2e}) in frame {}",
+        error(worst),
+        worst.0,
+    ))
 }
 
 pub(super) fn warn(warnings: &[String]) {

@@ -2,7 +2,7 @@
 
 use super::interrupt::Interrupt;
 use super::values::ProgressArgument;
-use crate::render::{FrameObserver, RenderSettings, SequenceObserver, SinkError, tile_count};
+use crate::render::{RenderObserver, RenderSettings, SinkError, tile_count};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -138,7 +138,7 @@ impl SequenceProgress {
     }
 }
 
-impl FrameObserver for SequenceProgress {
+impl RenderObserver for SequenceProgress {
     fn tile_done(&self, rays: u64) {
         self.rays.fetch_add(rays, Ordering::Relaxed);
         if !self.steps_are_frames {
@@ -150,9 +150,7 @@ impl FrameObserver for SequenceProgress {
     fn is_stopped(&self) -> bool {
         self.interrupt.is_asked()
     }
-}
 
-impl SequenceObserver for SequenceProgress {
     fn frame_kept(&self, _: u32) {
         self.frames_kept.fetch_add(1, Ordering::Relaxed);
         if self.steps_are_frames {

@@ -2,10 +2,10 @@
 
 use super::bake::bake;
 use super::error_chart::error_chart;
-use super::frames::{FrameRanges, coarse_to_fine};
+use super::frames::FrameRanges;
 use super::interrupt::Interrupt;
 use super::job_args::JobArguments;
-use super::outcome::{Failure, Status, say, warn};
+use super::outcome::{Failure, Status, error_summary, say, warn};
 use super::progress::{FractionProgress, SequenceProgress, clock, rays_per_second};
 use super::quote::accuracy_lines;
 use super::sheet::draw;
@@ -16,7 +16,9 @@ use crate::camera_formats::camera_table;
 use crate::frames::{FrameFolder, Manifest, VerifyError};
 use crate::job::{Job, SavedEstimate, Spec, keep_within};
 use crate::render::{ErrorEstimate, Outcome};
+use crate::sampling::van_der_corput_order;
 use clap::Args;
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -132,7 +134,10 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         return Ok(Status::Done);
     }
     if let OrderArgument::CoarseToFine = arguments.order {
-        coarse_to_fine(&mut missing, count);
+        let asked: BTreeSet<u32> = missing.into_iter().collect();
+        missing = van_der_corput_order(count)
+            .filter(|frame| asked.contains(frame))
+            .collect();
     }
 
     let shown = arguments.progress.shown(arguments.quiet);
@@ -243,8 +248,8 @@ fn summarise(outcome: &Outcome, elapsed: Duration, there: u32, folder: &FrameFol
         if outcome.stopped { ", interrupted" } else { "" },
         folder.path().display()
     ));
-    if let Some(errors) = summary(&outcome.errors) {
-        say(format_args!("{errors}"));
+    if let Some(errors) = error_summary(&outcome.errors) {
+        say(format_args!("error (relMSE) {errors}"));
     }
 }
 
@@ -265,17 +270,4 @@ fn shortcomings(outcome: &Outcome, target_error: Option<f64>) -> Vec<String> {
         }
     }
     warnings
-}
-
-/// The errors of the frames that were rendered; none where they have no Monte Carlo noise.
-fn summary(errors: &[(u32, ErrorEstimate)]) -> Option<String> {
-    let error = |(_, error): &(u32, ErrorEstimate)| error.relative_square_error;
-    let worst = errors.iter().max_by(|a, b| error(a).total_cmp(&error(b)))?;
-    let mean = errors.iter().map(error).sum::<f64>() / errors.len() as f64;
-    let [low, high] = worst.1.interval();
-    Some(format!(
-        "error (relMSE) {mean:.2e} on average, at worst {:.2e} ({low:.2e} to {high:.2e}) in frame {}",
-        error(worst),
-        worst.0,
-    ))
 }

@@ -30,6 +30,7 @@ pub(super) struct VerifyArguments {
 pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
     let out = absolute(&arguments.folder)?;
     let recorded = FrameFolder::open(&out)?;
+    let options = arguments.inputs.options();
     let job = arguments.inputs.job_of(&recorded);
     let current = job.and_then(|job| Ok((job.sequence(&out)?, job)));
     let folder = match &current {
@@ -38,14 +39,14 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
             warn(&[format!(
                 "what the frames were made from cannot be loaded, so changes since are not seen: {error}"
             )]);
-            open_folder(&out, &arguments.inputs.accepted_builds)?
+            open_folder(&out, &options.accepted_builds)?
         }
     };
     let own_pool;
     let pool = match &current {
         Ok((_, job)) => &job.inputs().pool,
         Err(_) => {
-            own_pool = pool(arguments.inputs.threads.threads)?;
+            own_pool = pool(options.threads)?;
             &own_pool
         }
     };

@@ -1,13 +1,11 @@
 //! Line charts, as the text of an SVG file and as the bytes of a PNG file of the same picture.
 
-use crate::drawing::svg;
-use plotters::coord::Shift;
+use super::area::{Area, DrawingError, Drawn, svg_of};
+use super::svg;
 use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use std::error::Error;
 use std::ops::Range;
-use thiserror::Error;
 
 /// A line chart.
 ///
@@ -60,14 +58,6 @@ pub struct Point {
     pub high: f64,
 }
 
-/// A chart that cannot be drawn.
-#[derive(Debug, Error)]
-#[error("chart \"{title}\": {source}")]
-pub struct ChartError {
-    title: String,
-    source: Box<dyn Error + Send + Sync>,
-}
-
 /// The palette of Okabe and Ito (2002) for all kinds of colour vision, without yellow.
 pub(super) const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
@@ -85,33 +75,23 @@ const MOST_MARKS: usize = 40;
 /// The font of all text.
 pub(super) const FONT: &str = "sans-serif";
 
-type Drawn = Result<(), Box<dyn Error>>;
-
 impl Chart {
     /// The text of an SVG file.
-    pub fn to_svg(&self) -> Result<String, ChartError> {
-        let mut svg = String::new();
-        let root = SVGBackend::with_string(&mut svg, self.size).into_drawing_area();
-        let drawn = self.draw(&root).and_then(|()| Ok(root.present()?));
-        drop(root);
-        drawn.map_err(|error| self.failed(error.to_string()))?;
-        Ok(svg)
+    pub fn to_svg(&self) -> Result<String, DrawingError> {
+        svg_of(self.size, |root| self.draw(root)).map_err(|error| self.failed(error))
     }
 
     /// The bytes of a PNG file.
-    pub fn to_png(&self) -> Result<Vec<u8>, ChartError> {
+    pub fn to_png(&self) -> Result<Vec<u8>, DrawingError> {
         let pixels = svg::pixels(&self.to_svg()?).map_err(|error| self.failed(error))?;
         pixels.encode_png().map_err(|error| self.failed(error))
     }
 
-    fn failed(&self, source: impl Into<Box<dyn Error + Send + Sync>>) -> ChartError {
-        ChartError {
-            title: self.title.clone(),
-            source: source.into(),
-        }
+    fn failed(&self, reason: impl ToString) -> DrawingError {
+        DrawingError::new(format!("chart \"{}\"", self.title), reason)
     }
 
-    fn draw(&self, root: &DrawingArea<SVGBackend, Shift>) -> Drawn {
+    fn draw(&self, root: &Area) -> Drawn {
         root.fill(&WHITE)?;
         let points = self.series.iter().flat_map(|series| &series.points);
         let drawn = points.filter_map(|point| self.fitting(point));
@@ -189,7 +169,7 @@ impl Chart {
         Ok(())
     }
 
-    fn legend<'a>(&self, area: &DrawingArea<SVGBackend<'a>, Shift>) -> Drawn {
+    fn legend(&self, area: &Area) -> Drawn {
         let style = (FONT, 13)
             .into_font()
             .color(&BLACK)
@@ -282,7 +262,7 @@ mod tests {
         }
     }
 
-    /// The places of the marks of the first series.
+    /// The positions of the marks of the first series.
     fn marks(svg: &str) -> Vec<[i32; 2]> {
         let circles = svg
             .lines()

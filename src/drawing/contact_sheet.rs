@@ -1,5 +1,6 @@
 //! Contact sheets: small frames side by side, each with its number and its time, to see a whole camera move at once.
 
+use super::area::DrawingError;
 use super::svg::{self, escaped};
 use crate::film::Film;
 use glam::Vec3;
@@ -7,7 +8,6 @@ use image::imageops::{FilterType, replace, resize};
 use image::{Rgb, Rgb32FImage, RgbImage};
 use rayon::prelude::*;
 use std::fmt::Write;
-use thiserror::Error;
 
 /// What a contact sheet shows beside the pixels of its frames.
 #[derive(Clone, Debug)]
@@ -21,11 +21,6 @@ pub struct ContactSheet<'a> {
     /// Columns and rows of the frames before they are scaled down.
     pub frame_size: (u32, u32),
 }
-
-/// A contact sheet that cannot be drawn.
-#[derive(Debug, Error)]
-#[error("contact sheet: {0}")]
-pub struct ContactSheetError(String);
 
 /// The width of a tile in pixels, as all that follows.
 const COLUMNS: u32 = 240;
@@ -48,14 +43,14 @@ impl ContactSheet<'_> {
     pub fn draw(
         &self,
         frame: impl Fn(usize) -> Result<Film, String> + Sync,
-    ) -> Result<RgbImage, ContactSheetError> {
+    ) -> Result<RgbImage, DrawingError> {
         let grid = Grid::new(self.labels.len() as u32, self.frame_size);
         let numbers = (0..self.labels.len()).into_par_iter();
         let tiles: Vec<_> = numbers
             .map(|number| Ok(encoded(&scaled(&frame(number)?, grid.frame))))
             .collect();
         let drawn = svg::pixels(&self.svg(&grid, &tiles))
-            .map_err(|error| ContactSheetError(error.to_string()))?;
+            .map_err(|error| DrawingError::new("contact sheet", error))?;
         let pixels = drawn.data().as_chunks::<4>().0;
         let mut sheet = RgbImage::from_fn(drawn.width(), drawn.height(), |x, y| {
             let [r, g, b, _] = pixels[(y * drawn.width() + x) as usize];

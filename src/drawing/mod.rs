@@ -2,7 +2,10 @@
 //!
 //! The only user of plotters and resvg.
 
+mod area;
 pub mod chart;
 pub mod contact_sheet;
 pub mod path_plot;
 mod svg;
+
+pub use area::DrawingError;

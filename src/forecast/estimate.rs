@@ -130,6 +130,7 @@ fn error_of_mean(values: &[f64], count: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::Random;
 
     fn estimate(frames: &[(u32, f64)]) -> Estimate {
         let frames = frames.iter().map(|&(frame, seconds)| PilotFrame {
@@ -174,13 +175,8 @@ mod tests {
     /// of all, in about 19 of 20 cases.
     #[test]
     fn means_are_as_certain_as_they_say() {
-        let mut state = 1_u64;
-        let mut noise = || {
-            state = state
-                .wrapping_mul(6364136223846793005)
-                .wrapping_add(1442695040888963407);
-            (state >> 40) as f64 / (1 << 24) as f64
-        };
+        let mut random = Random::new(1);
+        let mut noise = || f64::from(random.unit());
         let mut held = 0;
         for _ in 0..400 {
             let all: Vec<f64> = (0..240)

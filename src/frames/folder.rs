@@ -250,8 +250,8 @@ impl FrameFolder {
         FrameRecord::from_text(&note).filter(|record| record.frame == frame)
     }
 
-    /// As [`FrameFolder::record`], of frames that say of themselves that they are of this sequence: a quick look.
-    /// [`FrameFolder::verify`] is the proof.
+    /// As [`FrameFolder::record`]; none if the record has other inputs or another build. Only the record is read:
+    /// [`FrameFolder::verify`] reads the pixels, too.
     pub fn current_record(&self, frame: u32) -> Option<FrameRecord> {
         self.record(frame).filter(|record| {
             record.input_hash == self.sequence.input_hashes[frame as usize]

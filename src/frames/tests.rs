@@ -73,13 +73,13 @@ fn what_is_kept_is_verified_and_nothing_else_is_left() {
 fn what_somebody_is_at_work_on_is_busy_for_others() {
     let root = tempfile::tempdir().expect("a folder");
     let folder = |force| FrameFolder::new(root.path(), sequence("a"), force);
-    let place = folder(false).claim(1, false).expect("free");
+    let slot = folder(false).claim(1, false).expect("free");
     assert!(matches!(folder(false).claim(1, false), Ok(Claim::Busy)));
     assert!(matches!(
         folder(false).claim(1, true),
         Ok(Claim::Granted(_))
     ));
-    drop(place);
+    drop(slot);
     keep(&folder(false), 1).expect("free again");
     assert!(matches!(folder(false).claim(1, true), Ok(Claim::Kept)));
     assert!(matches!(

@@ -37,7 +37,7 @@ impl SequenceInputs<'_> {
     pub(super) fn hashes(&self) -> Vec<String> {
         let mut data = json!({
             "scene": self.inputs.scene_hash.to_string(),
-            "settings": self.settings.canonical(),
+            "settings": canonical_settings(self.settings),
         });
         if self.exposure != 0.0 {
             data["exposure"] = json!(self.exposure);
@@ -81,23 +81,17 @@ pub(super) fn cache_hash(inputs: &Inputs, settings: &RenderSettings, build: &str
     blake3::hash(data.to_string().as_bytes())
 }
 
-trait Canonical {
-    fn canonical(&self) -> Value;
-}
-
-impl Canonical for RenderSettings {
-    /// What differs from the defaults.
-    fn canonical(&self) -> Value {
-        let fields = |settings: &RenderSettings| match json!(settings) {
-            Value::Object(fields) => fields,
-            _ => Map::new(),
-        };
-        let defaults = RenderSettings::new(IntegratorSettings::Whitted { bounces: 0 }, 0, 0);
-        let defaults = fields(&defaults);
-        let mut given = fields(self);
-        given.retain(|key, value| defaults.get(key) != Some(value));
-        Value::Object(given)
-    }
+/// What differs from the defaults.
+fn canonical_settings(settings: &RenderSettings) -> Value {
+    let fields = |settings: &RenderSettings| match json!(settings) {
+        Value::Object(fields) => fields,
+        _ => Map::new(),
+    };
+    let defaults = RenderSettings::new(IntegratorSettings::Whitted { bounces: 0 }, 0, 0);
+    let defaults = fields(&defaults);
+    let mut given = fields(settings);
+    given.retain(|key, value| defaults.get(key) != Some(value));
+    Value::Object(given)
 }
 
 fn canonical_camera(camera: &Camera) -> Value {
@@ -119,7 +113,7 @@ mod tests {
             ..RenderSettings::new(IntegratorSettings::Whitted { bounces: 4 }, 64, 48)
         };
         assert_eq!(
-            settings.canonical().to_string(),
+            canonical_settings(&settings).to_string(),
             r#"{"height":48,"integrator":{"Whitted":{"bounces":4}},"seed":7,"width":64}"#
         );
     }

@@ -11,9 +11,7 @@ use crate::forecast::Workload;
 use crate::frames::{FrameFolder, SequenceRecord};
 use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::integrator::IntegratorSettings;
-use crate::render::{
-    FrameSink, Outcome, PixelSampling, RenderSettings, Renderer, SequenceObserver,
-};
+use crate::render::{FrameSink, Outcome, PixelSampling, RenderObserver, RenderSettings, Renderer};
 use std::path::{Path, PathBuf};
 
 /// A job resolved: all that decides the frames of a sequence.
@@ -179,7 +177,7 @@ impl Job {
         &self,
         frames: &[u32],
         sink: &Sink,
-        observer: &dyn SequenceObserver,
+        observer: &dyn RenderObserver,
     ) -> Outcome {
         if frames.is_empty() {
             return Outcome::default();

@@ -1,6 +1,6 @@
 //! Bias of a technique, from independent pictures of it and independent estimates by an unbiased oracle.
 
-use super::pixel::{channel_mean, mean_of_halves};
+use super::pixel::{channel_mean, mean_of_two};
 use super::{Estimate, RADIANCE_FLOOR, mean, student_t};
 use glam::{DVec3, Vec3};
 
@@ -53,8 +53,8 @@ impl BiasCheck {
                 .collect()
         };
         let difference =
-            over_pixels(&|pixel| mean_of_halves(pixel.technique) - mean_of_halves(pixel.oracle));
-        let oracle = over_pixels(&|pixel| mean_of_halves(pixel.oracle));
+            over_pixels(&|pixel| mean_of_two(pixel.technique) - mean_of_two(pixel.oracle));
+        let oracle = over_pixels(&|pixel| mean_of_two(pixel.oracle));
         BiasCheck {
             squared_bias: Estimate::of(&over_pixels(&Values::squared_bias)),
             mean_bias: Estimate::of(&difference) / mean(&oracle),
@@ -106,8 +106,8 @@ impl Values {
     /// one factor is independent of it, whose expectation is 0 without bias, however large the noise.
     fn squared_bias(&self) -> DVec3 {
         let [(c1, a), (c2, b)] = [0, 1].map(|i| (self.technique[i], self.oracle[i]));
-        let inverse = |c: DVec3, r: DVec3| divisor(mean_of_halves([c, r])).recip();
-        (c1 - a) * (c2 - b) * mean_of_halves([inverse(c1, a), inverse(c2, b)])
+        let inverse = |c: DVec3, r: DVec3| divisor(mean_of_two([c, r])).recip();
+        (c1 - a) * (c2 - b) * mean_of_two([inverse(c1, a), inverse(c2, b)])
     }
 }
 
@@ -169,7 +169,7 @@ mod tests {
         let products = pixels.iter().map(|pixel| {
             let values = Values::of(pixel, 1.0);
             let error = squared_error(values.technique[0], values.oracle);
-            channel_mean(error / divisor(mean_of_halves(values.oracle)))
+            channel_mean(error / divisor(mean_of_two(values.oracle)))
         });
         let divided_by_mean = Estimate::of(&products.collect::<Vec<f64>>());
         assert!(divided_by_mean.mean < -20.0 * divided_by_mean.error);

@@ -52,9 +52,9 @@ impl Difference {
         let mean_bias = difference / mean(&over_pixels(|_, r| r.mean()));
         let [shown, expected] = [&picture, &expected].map(Film::to_srgb8);
         Difference {
-            square_error: mean(&over_pixels(|x, r| squared_error(x, r.halves))),
+            square_error: mean(&over_pixels(|x, r| squared_error(x, r.half_buffers))),
             relative_square_error: mean(&over_pixels(|x, r| {
-                squared_error(x, r.halves) / r.normaliser
+                squared_error(x, r.half_buffers) / r.normaliser
             })),
             p95_relative_error: percentile(&mut errors, 0.95),
             mean_bias,

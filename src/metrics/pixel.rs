@@ -11,7 +11,7 @@ pub(super) fn squared_error(x: DVec3, [a, b]: [DVec3; 2]) -> DVec3 {
 }
 
 /// The mean of two half buffers' values.
-pub(super) fn mean_of_halves([a, b]: [DVec3; 2]) -> DVec3 {
+pub(super) fn mean_of_two([a, b]: [DVec3; 2]) -> DVec3 {
     0.5 * (a + b)
 }
 

@@ -2,7 +2,7 @@
 
 use super::mean;
 use super::normaliser;
-use super::pixel::{channel_mean, mean_of_halves};
+use super::pixel::{channel_mean, mean_of_two};
 use crate::film::Film;
 use glam::DVec3;
 
@@ -37,7 +37,7 @@ impl Reference {
     /// ((A - B) / 2)^2 / (m^2 + 0.01), the expectation of whose numerator is the variance of the mean.
     pub fn relative_square_error(&self, exposure: f32) -> f64 {
         let squares = self.exposed(exposure).into_iter().map(|pixel| {
-            let half = 0.5 * (pixel.halves[0] - pixel.halves[1]);
+            let half = 0.5 * (pixel.half_buffers[0] - pixel.half_buffers[1]);
             channel_mean(half * half / pixel.normaliser)
         });
         let squares: Vec<f64> = squares.collect();
@@ -46,8 +46,8 @@ impl Reference {
 
     /// The standard error of the mean radiance of all pixels, relative to it.
     pub fn error_of_mean(&self) -> f64 {
-        let halves = self.a.pixels().iter().zip(self.b.pixels());
-        let squares = halves.map(|(a, b)| {
+        let half_buffers = self.a.pixels().iter().zip(self.b.pixels());
+        let squares = half_buffers.map(|(a, b)| {
             let half = 0.5 * (a.as_dvec3() - b.as_dvec3());
             channel_mean(half).powi(2)
         });
@@ -64,7 +64,7 @@ impl Reference {
         let [a, b, mean] = [&self.a, &self.b, &self.mean].map(|film| exposed(film, exposure));
         let width = mean.width() as usize;
         let pixel = |number: usize| ReferencePixel {
-            halves: [&a, &b].map(|film| film.pixels()[number].as_dvec3()),
+            half_buffers: [&a, &b].map(|film| film.pixels()[number].as_dvec3()),
             normaliser: normaliser(mean.pixels(), width, number, 1, 1.0).as_dvec3(),
         };
         (0..mean.pixels().len()).map(pixel).collect()
@@ -74,7 +74,7 @@ impl Reference {
 /// A pixel of a reference, in units of display white.
 #[derive(Clone, Copy)]
 pub(super) struct ReferencePixel {
-    pub(super) halves: [DVec3; 2],
+    pub(super) half_buffers: [DVec3; 2],
     /// What squared errors there are divided by.
     pub(super) normaliser: DVec3,
 }
@@ -82,7 +82,7 @@ pub(super) struct ReferencePixel {
 impl ReferencePixel {
     /// The mean of the half buffers.
     pub(super) fn mean(&self) -> DVec3 {
-        mean_of_halves(self.halves)
+        mean_of_two(self.half_buffers)
     }
 
     /// |x - r| / sqrt(m^2 + 0.01), with the noise of the reference.
@@ -115,7 +115,7 @@ mod tests {
             // The mean of two has half the variance.
             let expected = (0.1 * scale).powi(2) / 2.0 / ((0.5 * scale).powi(2) + 0.01);
             let own = reference.relative_square_error(exposure as f32);
-            // Of 3072 pixels, each the mean of two halves and of three channels.
+            // Of 3072 pixels, each the mean of two half buffers and of three channels.
             let error = 0.1 / 0.5 / (2.0_f64 * 3.0 * 3072.0).sqrt();
             assert!((reference.error_of_mean() / error - 1.0).abs() < 0.06);
             // Of 9216 channels; the noise of the mean of eight adds up to 3 / 8 of the square.

@@ -45,7 +45,7 @@ pub(super) fn find(scene: &Scene, frames: &FrameCameras, near: f64) -> Vec<PathW
     [inside, crosses, near].into_iter().flatten().collect()
 }
 
-/// The change of the number of solids that contain the camera over a step, -1..=1, if faces point outward; none if no
+/// The change over a step of the number of solids that contain the camera, -1..=1, if faces point outward; none if no
 /// surface is crossed.
 fn crossing(scene: &Scene, from: &Camera, to: &Camera) -> Option<i32> {
     let (from, to) = (eye(scene, from), eye(scene, to));
@@ -79,7 +79,7 @@ mod tests {
 
     const NEAR: f64 = 0.1;
 
-    /// At eye level, from the left to the right.
+    /// Warnings of a path at eye level, from left to right.
     fn findings(scene: &Scene) -> Vec<PathWarning> {
         let at = |x| DVec3::new(x, 1.7, 0.3);
         find(scene, &FrameCameras::of(&walk(at(-2.41), at(2.39))), NEAR)
@@ -89,14 +89,14 @@ mod tests {
         cuboid(DVec3::new(-0.3, 0.0, -0.7), DVec3::new(0.9, 4.0, 1.3))
     }
 
-    /// Frames start at -2.41 m, 0.2 m apart.
+    /// The frames of that path between two coordinates: they start at -2.41 m, 0.2 m apart.
     fn frames_between(from: f64, to: f64) -> Vec<u32> {
         let is_between = |frame: &u32| (from..to).contains(&(0.2 * f64::from(*frame) - 2.41));
         (0..=24).filter(is_between).collect()
     }
 
     #[test]
-    fn a_walk_through_a_pillar_is_found_whatever_is_around() {
+    fn a_walk_through_a_pillar_is_found_in_any_room() {
         let outside = DVec3::new(5.0, 4.0, 5.0);
         let rooms = [
             vec![],
@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ball_is_a_body_and_may_be_a_room() {
+    fn a_sphere_may_be_a_solid_or_a_room() {
         let ball = (DVec3::new(0.1, 1.5, 0.0), 0.62);
         let sky = (DVec3::ZERO, 100.0);
         for spheres in [&[ball][..], &[sky, ball]] {
@@ -138,11 +138,11 @@ mod tests {
             let inside = frames_between(0.1 - half, 0.1 + half);
             assert_eq!(found[0].frames, FrameRuns::of(inside.iter().copied()));
             assert!(matches!(found[0].kind, WarningKind::InsideSolid { .. }));
-            let passed = [inside[0] - 1, inside[inside.len() - 1]];
-            assert_eq!(found[1].frames, FrameRuns::of(passed));
+            let crossed = [inside[0] - 1, inside[inside.len() - 1]];
+            assert_eq!(found[1].frames, FrameRuns::of(crossed));
         }
         assert_eq!(findings(&scene(vec![], &[sky])), []);
-        // Past things in it, where it sees fronts, too.
+        // Past a solid inside it, whose front is seen, too.
         let beside = (DVec3::new(0.0, 1.7, -0.4), 0.55);
         assert_eq!(findings(&scene(vec![], &[sky, beside])), []);
         assert_eq!(findings(&scene(vec![hall()], &[beside])), []);
@@ -161,10 +161,10 @@ mod tests {
     }
 
     #[test]
-    fn the_room_behind_a_wall_of_one_side_is_no_body() {
-        let corners = [(-5.0, 0.0), (5.0, 0.0), (5.0, 4.0), (-5.0, 4.0)];
+    fn the_room_behind_a_one_sided_wall_is_no_solid() {
+        let vertices = [(-5.0, 0.0), (5.0, 0.0), (5.0, 4.0), (-5.0, 4.0)];
         let sheet = SourceMesh {
-            positions: corners.map(|(z, y)| DVec3::new(0.1, y, z)).to_vec(),
+            positions: vertices.map(|(z, y)| DVec3::new(0.1, y, z)).to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..hall()
         };
@@ -176,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hall_that_is_left_is_no_body() {
+    fn a_hall_that_the_camera_leaves_is_no_solid() {
         let path = walk(DVec3::new(0.1, 1.7, 0.0), DVec3::new(6.0, 1.7, 0.0));
         let found = find(&scene(vec![hall()], &[]), &FrameCameras::of(&path), 0.01);
         assert_eq!(found.len(), 1, "{found:?}");
@@ -184,14 +184,14 @@ mod tests {
     }
 
     #[test]
-    fn cameras_on_a_surface_pass_it_or_not() {
+    fn cameras_on_a_surface_may_cross_it_or_not() {
         let wall = cuboid(DVec3::new(0.0, 0.0, -5.0), DVec3::new(0.5, 4.0, 5.0));
         let scene = scene(vec![hall(), wall], &[]);
-        let found = |places: &[f64]| {
+        let found = |positions: &[f64]| {
             let camera = |x: &f64| still(DVec3::new(*x, 1.0, 0.0), DVec3::NEG_Z);
             let found = find(
                 &scene,
-                &open_shot(places.iter().map(camera).collect()),
+                &open_shot(positions.iter().map(camera).collect()),
                 1e-9,
             );
             found
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn jumps_into_a_body_are_found() {
+    fn cuts_into_a_solid_are_found() {
         let scene = scene(vec![hall(), pillar()], &[]);
         let camera = |x: f64| still(DVec3::new(x, 1.0, 0.0), DVec3::NEG_Z);
         let mut frames = open_shot([-1.0, -1.1, 0.2, 0.3, 2.0].map(camera).to_vec());
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_that_stays_in_a_body_is_told_from_one_in_a_room() {
+    fn a_path_that_stays_in_a_solid_is_told_from_one_in_a_room() {
         let ball = (DVec3::new(0.0, 1.5, 0.0), 0.9);
         let at = |x: f64| DVec3::new(x, 1.5, 0.0);
         let is_inside = |scene: &Scene| {
@@ -230,7 +230,7 @@ mod tests {
                 .any(|f| matches!(f.kind, WarningKind::InsideSolid { .. }))
         };
         assert!(is_inside(&scene(vec![hall()], &[ball])));
-        // A ball that is all there is, one below the sky, and a house on a landscape, are rooms.
+        // Rooms are a ball without anything else, one within a sky, and a house on the ground.
         assert!(!is_inside(&scene(vec![], &[ball])));
         let sky = (DVec3::ZERO, 100.0);
         assert!(!is_inside(&scene(vec![], &[sky, ball])));
@@ -243,7 +243,7 @@ mod tests {
 
     #[test]
     fn nearness_is_exact() {
-        // 0.2 m above a thin plate's edge, of which no ray in some directions would know.
+        // 0.2 m above the edge of a thin plate, which rays in a few directions would miss.
         let plate = cuboid(DVec3::new(-9.0, 0.0, 0.0), DVec3::new(9.0, 1.5, 1e-4));
         let found = |within| {
             let scene = scene(vec![plate.clone()], &[]);

@@ -24,7 +24,7 @@ pub(super) fn path(interpolation: Interpolation, keys: &[(f64, DVec3, DVec3)]) -
     CameraPath::new(FPS, &keys, &PathTiming::BY_KEYS).expect("a path")
 }
 
-/// A straight walk of one second that looks along -Z.
+/// A straight path of one second that looks along -Z.
 pub(super) fn walk(from: DVec3, to: DVec3) -> CameraPath {
     let ahead = DVec3::new(0.0, 0.0, -1e3);
     path(
@@ -49,7 +49,7 @@ pub(super) fn open_shot(cameras: Vec<Camera>) -> FrameCameras {
     }
 }
 
-/// A closed box whose faces point outward, with vertices of its own.
+/// A closed box whose faces point outward.
 pub(super) fn cuboid(min: DVec3, max: DVec3) -> SourceMesh {
     let (positions, triangles) = geometry::cuboid(min, max);
     SourceMesh {

@@ -24,7 +24,7 @@ impl FrameRuns {
         FrameRuns(runs)
     }
 
-    /// The first and the last frame of each run of frames without a gap, rising.
+    /// The first and the last frame of each run, rising.
     pub fn runs(&self) -> &[[u32; 2]] {
         &self.0
     }

@@ -1,4 +1,4 @@
-//! Spins of the picture: a camera that keeps +Y up, or has a roll to it, turns fast about the vertical when it looks
+//! Spins of the image: a camera that keeps +Y up, or a given roll from it, turns fast about the vertical when it looks
 //! almost straight up or down.
 
 use super::steps::measure_steps;
@@ -8,11 +8,11 @@ use crate::camera::{Camera, FrameCameras, OrientationMode};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// The least rate of the heading that is a spin, in radians per second.
+/// The least angular velocity of the heading that counts as a spin, in radians per second.
 const LEAST_TURN: f64 = 2.0 / 3.0 * PI;
 
-/// The least ratio of the heading's turn to that of the view direction: that of a view within 5 degrees of the vertical,
-/// or past it from one frame to the next.
+/// The least ratio of the heading's turn to that of the view direction in a spin: that of a view within 5 degrees of
+/// the vertical, or of one that passes it between two frames.
 const LEAST_RATIO: f64 = 11.0;
 
 /// Tolerance for "no roll": the vertical component of the camera's right direction.
@@ -22,7 +22,7 @@ pub(super) fn find(frames: &FrameCameras, mode: OrientationMode) -> Vec<PathWarn
     // The right direction of the camera without its roll.
     let right = |camera: &Camera| match mode {
         OrientationMode::LookAt => Some(DVec3::Y.cross(camera.rotation.z_axis)),
-        // Angles that the file gives are intended.
+        // Explicit angles are intended.
         OrientationMode::YawPitchRoll => None,
         OrientationMode::Rotation => {
             Some(camera.rotation.x_axis).filter(|right| right.y.abs() < LEVEL)
@@ -64,9 +64,9 @@ mod tests {
         find(&open_shot(cameras), OrientationMode::Rotation)
     }
 
-    /// Flies past a point 3 m below, `beside` it in metres.
-    fn fly_over(beside: f64) -> Vec<PathWarning> {
-        let target = DVec3::new(beside, -3.0, 0.0);
+    /// Warnings of a camera that flies past a point 3 m below it, `offset` m to the side, and looks at it.
+    fn fly_over(offset: f64) -> Vec<PathWarning> {
+        let target = DVec3::new(offset, -3.0, 0.0);
         let at = |z| DVec3::new(0.0, 0.0, z);
         let keys = [(0.0, at(3.0), target), (4.0, at(-3.0), target)];
         of_path(&path(Interpolation::Linear, &keys))
@@ -85,7 +85,7 @@ mod tests {
         else {
             panic!("{found:?}")
         };
-        // Half way in the frames between 0 and 96, where a step is 1/16 m.
+        // Half way between frames 0 and 96, where a step is 1/16 m.
         assert!(frame == 47 || frame == 48);
         assert!((turn - 0.625_f64.atan()).abs() < 1e-9, "{turn}");
         assert!(
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn rolls_hide_no_spin_and_angles_are_meant() {
+    fn rolled_cameras_spin_and_explicit_angles_do_not() {
         let target = DVec3::new(0.1, -3.0, 0.0);
         let key = |(time, z): (f64, f64), orientation| Keyframe {
             time,
@@ -120,9 +120,9 @@ mod tests {
             of_path(&path)
         };
         let rolled = [(0.0, 3.0), (4.0, -3.0)]
-            .map(|place| key(place, Orientation::LookAt { target, roll: 0.3 }));
+            .map(|time_and_z| key(time_and_z, Orientation::LookAt { target, roll: 0.3 }));
         assert_eq!(found(rolled).len(), 1);
-        // Straight down, a quarter of a turn in half a second.
+        // Almost straight down, a quarter of a turn in half a second.
         let down = |yaw| Orientation::YawPitchRoll(DVec3::new(yaw, -0.499 * PI, 0.0));
         let turned = [key((0.0, 0.0), down(0.0)), key((0.5, 0.0), down(0.5 * PI))];
         assert_eq!(found(turned), []);
@@ -135,7 +135,7 @@ mod tests {
             still(DVec3::ZERO, DVec3::new(cos, -1.0, sin))
         };
         assert_eq!(of_cameras((0..20).map(pan).collect()), []);
-        // Loops the loop.
+        // A vertical loop.
         for step in [0.02, 0.3] {
             let turned = |i: u32| Camera {
                 rotation: DMat3::from_rotation_x(-step * f64::from(i)),

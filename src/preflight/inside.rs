@@ -12,24 +12,24 @@ use std::ops::Range;
 /// The square root of the number of directions of a probe.
 const DIRECTIONS: usize = 8;
 
-/// The least fraction of directions with the same side of surfaces that is the inside of a solid. Statues may be open at
-/// their feet.
+/// The least fraction of directions in which the same side of surfaces is seen from inside a solid. Not all of them, as
+/// statues may be open at their feet.
 const NEARLY_ALL: f64 = 0.8;
 
-/// The least fraction of directions that is most of them.
-const MOST: f64 = 0.65;
+/// The least fraction of directions with fronts behind backs that shows a solid among other surfaces.
+const LEAST_FRONTS_BEHIND: f64 = 0.65;
 
-/// The mean distance of surfaces, in metres, below which a camera path is not intended: the walls of a house may face
-/// outward, and a sky around it inward.
+/// The mean distance of surfaces, in metres, below which the camera is in a solid, not in a room. A house whose walls
+/// face outward, under a sky that faces inward, is told from a solid by nothing else.
 const NARROW: f64 = 1.0;
 
 /// What rays in all directions from a camera hit.
 pub(super) struct Probe {
-    /// The fraction of all directions in which the front of a surface is seen.
+    /// The fraction of directions in which the front of a surface is seen.
     fronts: f64,
-    /// The same of backs.
+    /// The fraction of directions in which the back of a surface is seen.
     backs: f64,
-    /// The fraction of all directions in which the first surface is seen from the back and the next from the front.
+    /// The fraction of directions in which the first surface is seen from the back and the next from the front.
     fronts_behind_backs: f64,
     /// The harmonic mean of the distances of surfaces, in metres.
     mean_distance: f64,
@@ -67,9 +67,9 @@ struct ProbeHit {
     onward: Ray,
 }
 
-/// The hits of some rays, without those that hit nothing.
+/// What rays hit, without those that hit nothing.
 fn cast(scene: &Scene, rays: &[Ray]) -> Vec<ProbeHit> {
-    /// Relative to the distance: more than its rounding.
+    /// Where the onward ray starts, relative to the distance: beyond its rounding.
     const BEHIND: f64 = 1.0 + 1e-4;
     let mut hits = vec![None; rays.len()];
     scene.closest_incoherent(rays, &mut hits, &mut Traversal::default());
@@ -97,26 +97,27 @@ struct Interval {
 /// the step to the next frame, if that crosses a surface.
 ///
 /// Inside a solid the camera sees the same side of surfaces all around, but so it does in a room. The spaces beyond the
-/// surfaces that it crosses tell them apart. A solid whose faces point outward shows their backs inside, and is mostly
+/// surfaces that it crosses distinguish them. A solid whose faces point outward shows their backs inside, and is mostly
 /// narrower than its surroundings. If it is much narrower, and the camera is outside for longer, its faces may as well
 /// point inward.
 ///
-/// Where the camera cuts in and out, or never leaves, it is inside if it sees nothing but backs, and either few of them
-/// elsewhere on the path or, with little room, fronts behind them.
+/// Where the camera cuts in and out, or never leaves, it is inside if it sees nothing but backs, and either backs are
+/// rare on the rest of the path, or the space is narrow and fronts are behind the backs.
 pub(super) fn frames_inside(
     frames: &FrameCameras,
     probes: &[Probe],
     crossings: &[Option<i32>],
 ) -> Vec<usize> {
-    let others = probes.iter().filter(|probe| probe.backs < 0.5).count();
-    let sees_backs_seldom = 2 * others > probes.len();
+    let without_backs = probes.iter().filter(|probe| probe.backs < 0.5).count();
+    let backs_are_rare = 2 * without_backs > probes.len();
     let mut inside = Vec::new();
     for shot in frames.shots() {
         let sees_backs = |frame: &usize| probes[*frame].backs >= NEARLY_ALL;
-        let is_narrow =
-            |probe: &Probe| probe.fronts_behind_backs >= MOST && probe.mean_distance < NARROW;
+        let is_narrow = |probe: &Probe| {
+            probe.fronts_behind_backs >= LEAST_FRONTS_BEHIND && probe.mean_distance < NARROW
+        };
         let is_in_solid =
-            |frame: usize| sees_backs(&frame) && (sees_backs_seldom || is_narrow(&probes[frame]));
+            |frame: usize| sees_backs(&frame) && (backs_are_rare || is_narrow(&probes[frame]));
         if shot.clone().all(is_in_solid) {
             inside.extend(shot);
             continue;
@@ -130,13 +131,13 @@ pub(super) fn frames_inside(
                     .flatten()
                     .any(|beside| is_outside(beside, interval))
             };
-            let outward = any_beside(|out, own| {
-                out.depth < own.depth && 2.0 * out.mean_distance > own.mean_distance
+            let outward = any_beside(|outside, solid| {
+                outside.depth < solid.depth && 2.0 * outside.mean_distance > solid.mean_distance
             });
-            let inward = any_beside(|out, own| {
-                out.depth > own.depth
-                    && out.mean_distance > 2.0 * own.mean_distance
-                    && out.frames.len() > own.frames.len()
+            let inward = any_beside(|outside, solid| {
+                outside.depth > solid.depth
+                    && outside.mean_distance > 2.0 * solid.mean_distance
+                    && outside.frames.len() > solid.frames.len()
             });
             inside.extend(interval.frames.clone().filter(|frame| {
                 outward && sees_backs(frame) || inward && probes[*frame].fronts >= NEARLY_ALL

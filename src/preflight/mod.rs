@@ -1,8 +1,8 @@
 //! Checks of a camera path through a scene before any frame is rendered: cameras inside objects, jumps of the velocity,
 //! pans that strobe.
 //!
-//! Knows nothing of files, terminals or light transport: it looks at the cameras of the frames and at what a few rays of
-//! each frame hit.
+//! Knows nothing of files, terminals or light transport: it looks at the cameras of the frames and at what a few rays
+//! of each frame hit.
 
 mod contact;
 #[cfg(test)]
@@ -23,8 +23,8 @@ use crate::camera::{CameraPath, FrameCameras};
 use crate::scene::Scene;
 use glam::DVec2;
 
-/// Warnings about a camera path whose frames have `width` x `height` pixels, the worst kinds first; none for a faultless
-/// path. `near` is the distance in metres that the camera should keep from surfaces.
+/// Warnings about a camera path whose frames have `width` x `height` pixels, the worst kinds first. `near` is the
+/// distance in metres that the camera should keep from surfaces.
 ///
 /// Works on the threads of the current pool; the result does not depend on them.
 pub fn preflight(
@@ -52,7 +52,7 @@ mod tests {
     use glam::DVec3;
 
     #[test]
-    fn a_walk_through_a_hall_is_as_it_should_be() {
+    fn a_smooth_walk_through_a_hall_gives_no_warnings() {
         let scene = scene(vec![hall()], &[]);
         let at = |x, z| DVec3::new(x, 1.7, z);
         let target = at(0.0, -30.0);

@@ -6,26 +6,28 @@ use super::{PathWarning, WarningKind};
 use crate::camera::FrameCameras;
 use glam::DVec3;
 
-/// Ratio of a step to the median step above which it is a spike: easing and corners make steps differ by half as
-/// much.
+/// The ratio of a step to the median step above which it is a spike: twice the ratio that easing and corners cause.
 const FAST: f64 = 4.0;
 
-/// The least change that is a jump, relative to the median speed: that of a corner of 11 degrees. The eye tells apart
-/// speeds that differ by a quarter of it (McKee 1981, "A local mechanism for differential velocity detection").
+/// The least change that is a jump, relative to the median speed: that of a corner of 11 degrees. A quarter of it is
+/// the least difference of speeds that is visible (McKee 1981, "A local mechanism for differential velocity
+/// detection").
 const LEAST_JUMP: f64 = 0.2;
 
-/// The least ratio of a jump, over two frames, to the changes from frame to frame before and after it: twice that of a
-/// constant acceleration.
+/// The least ratio of a jump, over two frames, to the changes from frame to frame around it: twice that of a constant
+/// acceleration.
 const ABRUPT: f64 = 4.0;
 
-/// A stutter is two changes of at least this many least jumps, that is half the median speed, each of which cancels at
-/// least this fraction of the other.
+/// The least size of each of the two changes of a stutter, relative to the least jump: half the median speed.
 const STUTTER: f64 = 2.5;
+
+/// The least fraction of each change of a stutter that the other one cancels.
 const CANCELLED: f64 = 0.5;
 
-/// Steps below this fraction of the coordinates, and below this many metres, are rounding of programs that store single
-/// precision.
+/// Steps below this fraction of the coordinates are rounding by programs that store single precision.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
+
+/// Longer steps, in metres, are no rounding, however large the coordinates.
 const MOST_ROUNDING: f64 = 5e-4;
 
 /// The least turn in radians; smaller ones are rounding.
@@ -101,9 +103,9 @@ fn median_length(steps: &[Option<DVec3>], least: f64) -> Option<f64> {
 
 /// The frames at which steps change abruptly, by more than `least` of the frame, and the change.
 ///
-/// A corner between two frames spreads its change over both, so steps are compared with those two before. The change
-/// must stand out from the changes around it, which that of a smooth curve does not, however narrow it is, or be
-/// cancelled by the next one: a stutter. At the ends of a shot, without enough frames around, nothing is found.
+/// A corner between two frames spreads its change over both, so steps are compared with those two before. A jump stands
+/// out from the changes around it, which no smooth curve does, however narrow; or it is cancelled by the next change,
+/// which is a stutter. At the ends of a shot, without enough frames around, nothing is found.
 fn jumps(steps: &[Option<DVec3>], least: impl Fn(usize) -> f64) -> Vec<Measured> {
     let count = steps.len() as isize;
     // Cyclic: after the last frame of an open path there is no step.
@@ -119,15 +121,15 @@ fn jumps(steps: &[Option<DVec3>], least: impl Fn(usize) -> f64) -> Vec<Measured>
             let (first, last) = (frame + offset.min(0) - 1, frame + offset.max(0));
             difference(first, last).and(difference(frame + offset - 1, frame + offset))
         };
-        let (least, own) = (least(frame as usize), change(0)?.length());
+        let (least, size) = (least(frame as usize), change(0)?.length());
         if is_stutter([-1, 0, 1, 2].map(change), least) {
-            return Some(own);
+            return Some(size);
         }
         let change = |offset: isize| change(offset).map(DVec3::length);
-        let is_peak = change(-1).is_none_or(|before| before < own)
-            && change(1).is_none_or(|after| after <= own);
+        let is_peak = change(-1).is_none_or(|before| before < size)
+            && change(1).is_none_or(|after| after <= size);
         let pairs = [length(frame - 2, frame), length(frame - 1, frame + 1)];
-        let jump = pairs.into_iter().flatten().fold(own, f64::max);
+        let jump = pairs.into_iter().flatten().fold(size, f64::max);
         let before = [-3, -2].into_iter().filter_map(change).reduce(f64::max)?;
         let after = [2, 3].into_iter().filter_map(change).reduce(f64::max)?;
         (is_peak && jump > least + ABRUPT * before.max(after)).then_some(jump)
@@ -144,7 +146,7 @@ fn is_stutter([before, first, second, after]: [Option<DVec3>; 4], least: f64) ->
     };
     let fraction = |a: DVec3, of: DVec3| a.dot(of) / of.length_squared();
     let is_alone =
-        |own, beside: Option<DVec3>| beside.is_none_or(|beside| fraction(beside, own) < CANCELLED);
+        |inner, outer: Option<DVec3>| outer.is_none_or(|outer| fraction(outer, inner) < CANCELLED);
     first.length().min(second.length()) > STUTTER * least
         && fraction(second, first) < -CANCELLED
         && fraction(first, second) < -CANCELLED
@@ -171,8 +173,8 @@ mod tests {
 
     const HEIGHT: u32 = 720;
 
-    /// Looks at one point far away, so that it hardly turns.
-    fn of_places(interpolation: Interpolation, keys: &[(f64, f64, f64)]) -> Vec<PathWarning> {
+    /// Warnings of a path through keys of a time, x and z. It looks at one point far away, so that it hardly turns.
+    fn of_keys(interpolation: Interpolation, keys: &[(f64, f64, f64)]) -> Vec<PathWarning> {
         let target = DVec3::new(3.0, 0.0, -1e5);
         let keys: Vec<(f64, DVec3, DVec3)> = keys
             .iter()
@@ -185,11 +187,11 @@ mod tests {
 
     #[test]
     fn smooth_paths_have_no_warnings() {
-        assert_eq!(of_places(CatmullRom, &CORNER), []);
-        assert_eq!(of_places(Linear, &[CORNER[0], CORNER[2]]), []);
-        assert_eq!(of_places(Linear, &[CORNER[0]]), []);
-        // Goes and stands, twice; in half a second, too.
-        for share in [1.0, 0.25] {
+        assert_eq!(of_keys(CatmullRom, &CORNER), []);
+        assert_eq!(of_keys(Linear, &[CORNER[0], CORNER[2]]), []);
+        assert_eq!(of_keys(Linear, &[CORNER[0]]), []);
+        // Moves and stops, twice; at two scales, the smaller with half a second for a move.
+        for scale in [1.0, 0.25] {
             let stops = [
                 (0.0, 0.0, 0.0),
                 (1.0, 0.0, 0.0),
@@ -198,8 +200,8 @@ mod tests {
                 (6.0, 2.0, -2.0),
                 (7.0, 2.0, -2.0),
             ];
-            let stops = stops.map(|(time, x, z)| (share * time, share * x, share * z));
-            assert_eq!(of_places(CatmullRom, &stops), [], "{share}");
+            let stops = stops.map(|(time, x, z)| (scale * time, scale * x, scale * z));
+            assert_eq!(of_keys(CatmullRom, &stops), [], "{scale}");
         }
         // A circle, and a look around.
         let around = |frame: u32| {
@@ -215,9 +217,9 @@ mod tests {
         assert_eq!(find(&closed, HEIGHT), []);
     }
 
-    /// Nor one whose camera rests at some of its keys, of 15 frames to a segment or more.
+    /// Random paths of at least 15 frames to a segment, whose camera rests at some of the keys.
     #[test]
-    fn no_smooth_path_jumps() {
+    fn random_smooth_paths_have_no_jumps() {
         let mut random = Random::new(5);
         for round in 0..400 {
             let mut time = 0.0;
@@ -251,7 +253,7 @@ mod tests {
         for late in [0.0, 0.01, 0.02] {
             let keys =
                 CORNER.map(|(time, x, z)| (time + if time == 2.0 { late } else { 0.0 }, x, z));
-            let found = of_places(Linear, &keys);
+            let found = of_keys(Linear, &keys);
             assert_eq!(found.len(), 1, "{found:?}");
             assert!(
                 [[[48, 48]], [[49, 49]]]
@@ -264,37 +266,37 @@ mod tests {
             assert!((jump - 0.522).abs() < 0.02, "{jump}");
             assert!((median - 0.99).abs() < 0.02, "{median}");
         }
-        // An end all at once, and one with a key on the way that changes nothing.
+        // An abrupt stop is a jump; a key that changes nothing is none.
         let stop = [(0.0, 0.0, 0.0), (2.0, 0.0, -2.0), (4.0, 0.0, -2.0)];
-        let found = of_places(Linear, &stop);
+        let found = of_keys(Linear, &stop);
         assert_eq!(found.len(), 1);
         assert!(matches!(
             found[0].kind,
             WarningKind::VelocityJump { frame: 48, .. }
         ));
-        assert_eq!(of_places(Linear, &[stop[0], (0.7, 0.0, -0.7), stop[1]]), []);
+        assert_eq!(of_keys(Linear, &[stop[0], (0.7, 0.0, -0.7), stop[1]]), []);
     }
 
     #[test]
-    fn a_dash_and_a_slip_are_found() {
+    fn speed_spikes_and_single_displaced_frames_are_found() {
         let dash = [
             (0.0, 0.0, 0.0),
             (3.0, 0.0, -3.0),
             (4.0, 0.0, -9.0),
             (7.0, 0.0, -12.0),
         ];
-        let found = of_places(CatmullRom, &dash);
+        let found = of_keys(CatmullRom, &dash);
         assert_eq!(found.len(), 1, "{found:?}");
         let WarningKind::SpeedSpike { frame, speed, .. } = found[0].kind else {
             panic!("{found:?}")
         };
         assert!((72..96).contains(&frame) && speed > 5.0 && speed < 12.0);
-        // One frame beside the path, and on it again.
-        let place = |i: u32| {
+        // One frame is beside the path.
+        let camera = |i: u32| {
             let beside = if i == 30 { 0.02 } else { 0.0 };
             still(DVec3::new(beside, 0.0, -0.05 * f64::from(i)), DVec3::NEG_Z)
         };
-        let found = find(&open_shot((0..60).map(place).collect()), HEIGHT);
+        let found = find(&open_shot((0..60).map(camera).collect()), HEIGHT);
         assert_eq!(found.len(), 1, "{found:?}");
         assert!(matches!(
             found[0].kind,
@@ -304,13 +306,13 @@ mod tests {
 
     #[test]
     fn stutters_are_found() {
-        // Each second, third or fourth frame is shown once more.
+        // Every second, third or fourth frame is shown twice.
         for period in 2..=4 {
-            let place = |i: u32| {
+            let camera = |i: u32| {
                 let distance = 0.05 * f64::from(i - i / period);
                 still(DVec3::NEG_Z * distance, DVec3::NEG_Z)
             };
-            let found = find(&open_shot((0..60).map(place).collect()), HEIGHT);
+            let found = find(&open_shot((0..60).map(camera).collect()), HEIGHT);
             assert_eq!(found.len(), 1, "{found:?}");
             assert!(matches!(found[0].kind, WarningKind::VelocityJump { .. }));
             assert!(found[0].frames.count() >= 60 / period - 2);
@@ -318,8 +320,8 @@ mod tests {
     }
 
     #[test]
-    fn corners_of_a_pan_are_jumps_of_the_turning() {
-        // 10 degrees/s to the right, then as much to the left; then 10 degrees/s for good.
+    fn corners_of_a_pan_are_jumps_of_the_angular_velocity() {
+        // 10 degrees/s to the right, then as much to the left; and 10 degrees/s all the time.
         for (after, is_corner) in [(-1.0, true), (1.0, false)] {
             let camera = |i: u32| {
                 let (before, after) = (i.min(40), after * f64::from(i.max(40) - 40));
@@ -335,7 +337,7 @@ mod tests {
                 assert!((jump - PI / 9.0).abs() < 1e-9);
             }
         }
-        // Nobody sees a corner of a hundredth of a degree.
+        // A change of 0.014 degrees/s is invisible.
         let slow = |i: u32| {
             still(
                 DVec3::ZERO,
@@ -347,14 +349,18 @@ mod tests {
 
     #[test]
     fn seams_of_closed_paths_are_found() {
-        // Half a circle and the straight way back is no smooth whole.
+        // Half a circle and a straight line back: a corner between them, and one where the path closes.
         let arc = |frame: u32| {
             let (sin, cos) = (PI * f64::from(frame) / 100.0).sin_cos();
             DVec3::new(cos, 0.0, sin)
         };
         let back = |frame: u32| DVec3::new(-1.0 + 2.0 * f64::from(frame) / 100.0, 0.0, 0.0);
-        let places = (0..100).map(arc).chain((0..100).map(back));
-        let mut frames = open_shot(places.map(|place| still(place, DVec3::NEG_Z)).collect());
+        let positions = (0..100).map(arc).chain((0..100).map(back));
+        let mut frames = open_shot(
+            positions
+                .map(|position| still(position, DVec3::NEG_Z))
+                .collect(),
+        );
         let found = find(&frames, HEIGHT);
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].frames, FrameRuns::of([100]));
@@ -366,7 +372,7 @@ mod tests {
             found[1].kind,
             WarningKind::VelocityJumpAtSeam { .. }
         ));
-        // A jump of the camera there is meant.
+        // A cut there is intended.
         frames.cuts.push(199);
         assert_eq!(find(&frames, HEIGHT).len(), 1);
     }

@@ -28,8 +28,8 @@ mod tests {
 
     #[test]
     fn steps_end_at_cuts() {
-        let places = [0.0, 1.0, 2.0, 7.0, 9.0].map(|x| still(DVec3::X * x, DVec3::NEG_Z));
-        let mut frames = open_shot(places.to_vec());
+        let cameras = [0.0, 1.0, 2.0, 7.0, 9.0].map(|x| still(DVec3::X * x, DVec3::NEG_Z));
+        let mut frames = open_shot(cameras.to_vec());
         frames.cuts.push(2);
         let moved =
             |frames: &FrameCameras| measure_steps(frames, |a, b| (b.position - a.position).x);

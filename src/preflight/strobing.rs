@@ -9,11 +9,11 @@ use crate::math::Ray;
 use crate::scene::Scene;
 use glam::DVec2;
 
-/// Columns and rows of the grid of image points that are tracked.
+/// Columns and rows of the grid of image points whose motion is measured.
 const POINTS: [usize; 2] = [16, 9];
 
 /// The least number of frames in which the image may move by its own width: 3 s at 24 frames per second. The
-/// cinematographers' rule for pans is 7 s, with a 180 degree shutter; frames without motion blur are seen one by one
+/// cinematographers' rule for pans is 7 s, with a 180 degree shutter. Without motion blur single frames become visible
 /// below half of that.
 const LEAST_FRAMES: f64 = 72.0;
 
@@ -34,27 +34,27 @@ pub(super) fn find(scene: &Scene, frames: &FrameCameras, size: DVec2) -> Vec<Pat
     warning.into_iter().collect()
 }
 
-/// The median image motion from a frame to the next in pixels, at most the width of the picture.
+/// The median image motion from a frame to the next in pixels, at most the width of the image.
 fn movement(scene: &Scene, from: &Camera, to: &Camera, size: DVec2) -> f64 {
     let rays = from.rays(size, scene.origin);
     let [columns, rows] = POINTS;
-    let films: Vec<DVec2> = (0..columns * rows)
+    let points: Vec<DVec2> = (0..columns * rows)
         .map(|i| DVec2::new((i % columns) as f64 + 0.5, (i / columns) as f64 + 0.5))
         .map(|point| point / DVec2::new(columns as f64, rows as f64) * size)
         .collect();
-    let rays: Vec<Ray> = films.iter().map(|film| rays.through(*film)).collect();
+    let rays: Vec<Ray> = points.iter().map(|point| rays.through(*point)).collect();
     let mut hits = vec![None; rays.len()];
     scene.closest_incoherent(&rays, &mut hits, &mut Traversal::default());
-    let seen = films.iter().zip(&rays).zip(&hits);
+    let seen = points.iter().zip(&rays).zip(&hits);
     let mut moved: Vec<f64> = seen
-        .map(|((film, ray), hit)| {
-            let point = match hit {
+        .map(|((image_point, ray), hit)| {
+            let world_point = match hit {
                 Some(hit) => scene.origin + ray.at(hit.t),
                 // The background is infinitely far away: only rotation moves it.
                 None => to.position + ray.direction.as_dvec3(),
             };
-            let next = to.project(size, point);
-            next.map_or(size.x, |next| next.distance(*film).min(size.x))
+            let next = to.project(size, world_point);
+            next.map_or(size.x, |next| next.distance(*image_point).min(size.x))
         })
         .collect();
     moved.sort_unstable_by(f64::total_cmp);
@@ -71,12 +71,12 @@ mod tests {
     const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
 
     #[test]
-    fn a_wall_moves_as_far_as_the_camera_goes_beside_it() {
-        // 5 m before the camera the picture is 8.29 m wide.
+    fn a_wall_moves_in_the_image_by_the_step_of_the_camera() {
+        // 5 m in front of the camera the image is 8.29 m wide.
         let wall = scene(vec![hall()], &[]);
         let at = |x: f64| still(DVec3::new(x, 2.0, 0.0), DVec3::NEG_Z);
         let pixel = 2.0 * at(0.0).half_height * 5.0 / SIZE.y;
-        // All that is seen is on that wall.
+        // The narrow view shows nothing but that wall.
         let narrow = |x: f64| Camera {
             half_height: 0.2,
             ..at(x)
@@ -84,7 +84,7 @@ mod tests {
         let pixels = movement(&wall, &narrow(0.0), &narrow(0.03), SIZE);
         let expected = 0.03 * SIZE.y / (2.0 * 0.2 * 5.0);
         assert!((pixels - expected).abs() < 1e-3, "{pixels}");
-        // The background does not.
+        // The background does not move.
         let nothing = scene(vec![], &[]);
         let pixels = movement(&nothing, &at(0.0), &at(100.0 * pixel), SIZE);
         assert!(pixels < 1e-2, "{pixels}");
@@ -103,7 +103,7 @@ mod tests {
                 SIZE,
             )
         };
-        // The picture is 79.3 degrees wide.
+        // The image is 79.3 degrees wide.
         assert_eq!(pan(15.0), []);
         let found = pan(60.0);
         assert_eq!(found[0].frames.runs(), [[0, 7]]);
@@ -116,7 +116,7 @@ mod tests {
         else {
             panic!("{found:?}")
         };
-        // In its middle as far as the angle is long there, and farther at its sides.
+        // In the middle of the image the focal length times the angle, and more at its sides.
         let focal = 0.5 * SIZE.y / 25.0_f64.to_radians().tan();
         let middle = focal * 2.5_f64.to_radians();
         let side = 1.0 + (0.5 * SIZE.x / focal).powi(2);
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn turning_away_is_a_whole_picture() {
+    fn turning_away_moves_the_image_by_its_width() {
         let cameras = [DVec3::NEG_Z, DVec3::Z].map(|direction| still(DVec3::Y, direction));
         let found = find(
             &scene(vec![hall()], &[]),

@@ -137,12 +137,12 @@ pub enum WarningKind {
 pub(super) type Measured = (usize, f64);
 
 impl PathWarning {
-    /// A warning about some frames, rising, of the kind that is made of the worst; none without frames.
+    /// A warning about frames in rising order, whose `kind` is made from the worst of them; none without frames.
     pub(super) fn of(
         found: &[Measured],
         kind: impl FnOnce(u32, f64) -> WarningKind,
     ) -> Option<PathWarning> {
-        // The first of equals.
+        // Of equal measures the first frame is the worst.
         let worse = |a: Measured, b: Measured| if b.1 > a.1 { b } else { a };
         let (frame, worst) = found.iter().copied().reduce(worse)?;
         Some(PathWarning {
@@ -158,7 +158,7 @@ impl fmt::Display for PathWarning {
     }
 }
 
-/// Writes a number with two significant digits, or all those before the point, up to nine.
+/// Displays a number with two significant digits, or with all up to nine before the point.
 struct Short(f64);
 
 impl fmt::Display for Short {

@@ -1,7 +1,7 @@
 //! The values of a frame's points, refined pass by pass.
 
 use super::grid::Grid;
-use super::observer::FrameObserver;
+use super::observer::RenderObserver;
 use super::sampler::{Sampler, Work};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -41,7 +41,7 @@ impl Estimates {
         grid: Grid,
         sampler: &Sampler,
         wanted: impl Fn(usize) -> u32 + Sync,
-        observer: &dyn FrameObserver,
+        observer: &dyn RenderObserver,
     ) {
         let taken = &self.passes;
         let passes = |point| {

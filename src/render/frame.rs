@@ -4,7 +4,7 @@ use super::adaptive::SampleAllocation;
 use super::error_estimate::{ErrorEstimate, RelativeDeviations};
 use super::estimates::Estimates;
 use super::grid::{Grid, average_corners};
-use super::observer::{FrameObserver, NoObserver};
+use super::observer::{NoObserver, RenderObserver};
 use super::sampler::Sampler;
 use super::{PixelSampling, RenderSettings, Renderer};
 use crate::camera::Camera;
@@ -68,7 +68,7 @@ impl Renderer<'_> {
         &self,
         camera: &Camera,
         frame: u32,
-        observer: &dyn FrameObserver,
+        observer: &dyn RenderObserver,
     ) -> Option<RenderedFrame> {
         let settings = &self.settings;
         let grid = Grid::of(settings);

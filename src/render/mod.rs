@@ -28,7 +28,7 @@ mod sink_error;
 pub use error_estimate::ErrorEstimate;
 pub use flicker::Flicker;
 pub use frame::{RenderedFrame, frame_memory, tile_count};
-pub use observer::{FrameObserver, NoObserver, SequenceObserver};
+pub use observer::{NoObserver, RenderObserver};
 pub use renderer::Renderer;
 pub use reprojection::{Match, Reprojection, TILE};
 pub use sequence::Outcome;

@@ -1,7 +1,7 @@
 //! Sequences: renders the frames of a camera path and hands them to a sink.
 
 use super::error_estimate::ErrorEstimate;
-use super::observer::{FrameObserver, SequenceObserver};
+use super::observer::RenderObserver;
 use super::renderer::Renderer;
 use super::sink::{Claim, EncodedFrame, FrameSink};
 use super::sink_error::SinkError;
@@ -47,7 +47,7 @@ impl Renderer<'_> {
         frames: &[u32],
         pool: &rayon::ThreadPool,
         sink: &Sink,
-        observer: &dyn SequenceObserver,
+        observer: &dyn RenderObserver,
     ) -> Outcome {
         let context = RenderContext {
             renderer: self,
@@ -78,7 +78,7 @@ struct RenderContext<'a, Sink> {
     path: &'a CameraPath,
     pool: &'a rayon::ThreadPool,
     sink: &'a Sink,
-    observer: &'a dyn SequenceObserver,
+    observer: &'a dyn RenderObserver,
     /// Frames to render, and whether to insist on them.
     queue: Mutex<VecDeque<(u32, bool)>>,
     outcome: Mutex<Outcome>,
@@ -166,8 +166,7 @@ impl<Sink: FrameSink> RenderContext<'_, Sink> {
     /// A frame as the sink encodes it; none if the observer stops.
     fn encoded(&self, frame: u32) -> Option<(Result<EncodedFrame, SinkError>, FrameStats)> {
         let camera = self.path.camera(frame);
-        let observer: &dyn FrameObserver = self.observer;
-        let rendered = self.renderer.render_observed(&camera, frame, observer)?;
+        let rendered = (self.renderer).render_observed(&camera, frame, self.observer)?;
         let stats = FrameStats {
             rays: rendered.rays,
             bytes: 0,
@@ -252,15 +251,11 @@ mod tests {
         }
     }
 
-    impl FrameObserver for Notes {
-        fn tile_done(&self, _: u64) {}
-
+    impl RenderObserver for Notes {
         fn is_stopped(&self) -> bool {
             self.stopped.load(Ordering::SeqCst)
         }
-    }
 
-    impl SequenceObserver for Notes {
         fn frame_kept(&self, frame: u32) {
             self.note(format!("{frame} kept"));
             if self.last == Some(frame) {

@@ -1,6 +1,6 @@
 //! Why there is no report.
 
-use crate::drawing::chart::ChartError;
+use crate::drawing::DrawingError;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -18,7 +18,7 @@ pub enum ReportError {
     },
     /// A chart cannot be drawn.
     #[error(transparent)]
-    Chart(#[from] ChartError),
+    Chart(#[from] DrawingError),
     /// A picture or a table cannot be encoded.
     #[error("a part of the report cannot be encoded: {0}")]
     Encoding(io::Error),

@@ -28,7 +28,6 @@ pub use findings::Report;
 pub use flicker::FlickerRow;
 pub use inputs::Inputs;
 pub use measure::Measurement;
-pub use progress::Listener;
 pub use reference::ReferenceRow;
 pub use technique::{Technique, techniques};
 
@@ -37,6 +36,7 @@ use inputs::pixels;
 use pictures::strip_of;
 use progress::Progress;
 
+use crate::bake::Listener;
 use crate::drawing::chart::Chart;
 use crate::metrics::Reference;
 use crate::storage::{check_writable, write_atomic};

@@ -1,9 +1,6 @@
 //! The progress of a report, in paths traced.
 
-use crate::bake;
-
-/// Is called with the progress, from 0 to 1, and what is done.
-pub type Listener<'a> = &'a (dyn Fn(f64, &str) + Sync);
+use crate::bake::Listener;
 
 /// The progress of a report.
 pub(super) struct Progress<'a> {
@@ -38,13 +35,13 @@ impl Progress<'_> {
     }
 
     /// So many paths more are done by work that reports its own progress.
-    pub(super) fn part<T>(&mut self, paths: f64, work: impl FnOnce(bake::Listener) -> T) -> T {
+    pub(super) fn part<T>(&mut self, paths: f64, work: impl FnOnce(Listener) -> T) -> T {
         let made = work(&|progress, what| self.tell(self.done + progress * paths, what));
         self.done += paths;
         made
     }
 
-    fn tell(&self, done: f64, what: &str) {
+    fn tell(&self, done: f64, what: &'static str) {
         (self.listener)((done / self.all).min(1.0), what);
     }
 }

@@ -49,8 +49,8 @@ fn wanted_error(inputs: &Inputs) -> f64 {
     inputs.reference_error.max(MIN_TARGET_ERROR)
 }
 
-/// The reference of one frame: montecarlo with adaptive sampling until its own estimated relMSE is below what the report asks
-/// for. It is rendered once, and kept with a hash of all its inputs.
+/// The reference of one frame: montecarlo with adaptive sampling until its own estimated relMSE is low enough. It is
+/// rendered once, and kept with a hash of all its inputs.
 fn reference(inputs: &Inputs, frame: u32) -> Result<Reference, ReportError> {
     let settings = settings(inputs);
     let folder = inputs.folder.join("references");
@@ -69,13 +69,13 @@ fn reference(inputs: &Inputs, frame: u32) -> Result<Reference, ReportError> {
     }
     let renderer = Renderer::new(inputs.scene, settings, None).expect("needs no cache");
     let rendered = renderer.render_frame(&camera, frame);
-    let halves = rendered.half_buffers();
-    for (file, half) in files.iter().zip(&halves) {
+    let half_buffers = rendered.half_buffers();
+    for (file, half) in files.iter().zip(&half_buffers) {
         let kept = fs::create_dir_all(&folder)
             .and_then(|()| write_atomic(file, &encode_exr(half, &fingerprint)?));
         kept.map_err(|source| ReportError::file(file, source))?;
     }
-    let [a, b] = halves;
+    let [a, b] = half_buffers;
     Ok(Reference::new(a, b))
 }
 

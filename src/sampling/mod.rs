@@ -5,8 +5,10 @@
 
 mod random;
 mod sequence;
+mod van_der_corput;
 mod warp;
 
 pub use random::Random;
 pub use sequence::{MixtureChoice, Sequence};
+pub use van_der_corput::van_der_corput_order;
 pub use warp::{cosine_hemisphere, uniform_sphere};

@@ -162,9 +162,9 @@ fn stepped(x: f32, steps: i32) -> f32 {
     // The bits without the sign count the representable numbers between 0 and a number.
     let bits = x.to_bits() as i32;
     let sign = bits >> 31;
-    let place = (((bits & i32::MAX) ^ sign) - sign) + steps;
-    let sign = place >> 31;
-    f32::from_bits((((place ^ sign) - sign) | (sign << 31)) as u32)
+    let number = (((bits & i32::MAX) ^ sign) - sign) + steps;
+    let sign = number >> 31;
+    f32::from_bits((((number ^ sign) - sign) | (sign << 31)) as u32)
 }
 
 /// Twice the error bound of a point along the normal: the distance at which rays start.

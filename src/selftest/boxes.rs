@@ -1,4 +1,4 @@
-//! Hits of the tree against brute force in double precision.
+//! Hits of the BVH against brute force in double precision.
 
 use crate::accel::{Bvh, Traversal, disagreement};
 use crate::geometry::Sphere;
@@ -8,7 +8,7 @@ use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// How many rays find something else than [`disagreement`]'s test of all shapes.
+/// The number of rays whose hit [`disagreement`] refutes by a test of every shape; one more if the BVH is invalid.
 fn wrong_hits(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray], kernel: Kernel) -> f64 {
     let bvh = Bvh::new(triangles, spheres.to_vec(), kernel);
     let wrong = rays.par_chunks(1000).map(|rays| {
@@ -40,8 +40,8 @@ fn random_spheres(random: &mut Random, count: usize, spread: f32) -> Vec<Sphere>
     (0..count).map(|_| sphere()).collect()
 }
 
-/// [`wrong_hits`] of scenes with so many triangles of up to 3 m and spheres, spread over `spread`, by rays from
-/// within `size`.
+/// [`wrong_hits`] of scenes with these counts of triangles, of up to 3 m, and spheres, spread over `spread`, by rays
+/// from within `size`.
 fn wrong_in_random_scenes(
     mut random: Random,
     counts: &[(usize, usize)],
@@ -64,17 +64,17 @@ pub(super) fn brute_force(kernel: Kernel) -> f64 {
     wrong_in_random_scenes(Random::new(1), &counts, 10.0, (1_000_000, 12.0), kernel)
 }
 
-/// A floor at y = 0, a wall and a side of 8 x 8 squares, whose boxes have no thickness, and rays along
-/// the axes: from anywhere, and from where box faces and edges of triangles are.
+/// Three walls of 8 x 8 squares, whose bounding boxes have no thickness, and rays along the axes: from random points,
+/// and from faces of boxes and edges and vertices of triangles.
 pub(super) fn along_axes(kernel: Kernel) -> f64 {
     let mut triangles = Vec::new();
     for axis in 0..3 {
         for i in 0..64 {
             let at = |x: usize, y: usize| {
-                let mut p = [0.0; 3];
-                p[(axis + 1) % 3] = (i % 8 + x) as f32;
-                p[(axis + 2) % 3] = (i / 8 + y) as f32;
-                Vec3::from_array(p)
+                let mut point = [0.0; 3];
+                point[(axis + 1) % 3] = (i % 8 + x) as f32;
+                point[(axis + 2) % 3] = (i / 8 + y) as f32;
+                Vec3::from_array(point)
             };
             triangles.push([at(0, 0), at(1, 0), at(1, 1)]);
             triangles.push([at(0, 0), at(1, 1), at(0, 1)]);
@@ -89,9 +89,9 @@ pub(super) fn along_axes(kernel: Kernel) -> f64 {
                 direction[axis] = sign;
                 for _ in 0..100 {
                     let origin = (random.vector(4.0) + 4.0).max(Vec3::splat(0.1));
-                    let on_corner = origin.round();
-                    let on_face = Vec3::new(on_corner.x, origin.y, origin.z);
-                    let starts = [origin, on_corner, on_face, on_corner + 0.5 * Vec3::Y];
+                    let on_vertex = origin.round();
+                    let on_face = Vec3::new(on_vertex.x, origin.y, origin.z);
+                    let starts = [origin, on_vertex, on_face, on_vertex + 0.5 * Vec3::Y];
                     rays.extend(starts.map(|start| Ray::new(start, direction)));
                 }
             }
@@ -100,7 +100,7 @@ pub(super) fn along_axes(kernel: Kernel) -> f64 {
     wrong_hits(&triangles, &[], &rays, kernel)
 }
 
-/// No tree, or hardly one.
+/// Scenes of no shape, or of so few that the BVH has hardly a node.
 pub(super) fn small_scenes(kernel: Kernel) -> f64 {
     let counts = [
         (0, 0),
@@ -115,7 +115,7 @@ pub(super) fn small_scenes(kernel: Kernel) -> f64 {
     wrong_in_random_scenes(Random::new(2), &counts, 3.0, (20_000, 5.0), kernel)
 }
 
-/// Triangles that no plane can part, and ones of very different sizes.
+/// Triangles that no plane separates, and triangles of very different sizes.
 pub(super) fn deep_trees(kernel: Kernel) -> f64 {
     let mut random = Random::new(4);
     let around_one_point: Vec<_> = (0..100_000)
@@ -135,8 +135,8 @@ pub(super) fn deep_trees(kernel: Kernel) -> f64 {
     wrong_hits(&around_one_point, &[], &rays, kernel) + wrong_hits(&mixed, &[], &rays, kernel)
 }
 
-/// Ten thousand triangles of a millimetre on a ground of 1e6 m: what a ray may miss by counts with the
-/// coordinates of what it meets, not with those of the ground.
+/// Ten thousand triangles of a millimetre on a ground of 1e6 m: error bounds grow with the coordinates of what a ray
+/// hits, not with those of the ground.
 pub(super) fn on_huge_ground(kernel: Kernel) -> f64 {
     let mut random = Random::new(5);
     let mut triangles = random_triangles(&mut random, 10_000, 0.1, 0.001);

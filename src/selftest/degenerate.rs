@@ -11,21 +11,21 @@ use crate::scene::SceneBuilder;
 use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 
-/// Rays that lie in a triangle's plane, some along its edges, all numbers whole and so exact; and rays to
-/// triangles whose vertices coincide or lie in line: none of them meets anything.
+/// Rays in a triangle's plane, some along its edges, all with integer coordinates and so exact; and rays to triangles
+/// whose vertices coincide or are collinear: none of them hits anything.
 pub(super) fn edge_on(kernel: Kernel) -> f64 {
     let mut random = Random::new(2);
     let mut traversal = Traversal::default();
     let mut hits = 0;
     for _ in 0..2000 {
-        let mut whole = || DVec3::from_array([0; 3].map(|_| random.whole(9) as f64));
-        let (vertex, u, v) = (whole(), whole(), whole());
-        let flat = Bvh::new(
+        let mut integers = || DVec3::from_array([0; 3].map(|_| random.whole(9) as f64));
+        let (vertex, u, v) = (integers(), integers(), integers());
+        let triangle = Bvh::new(
             &[[vertex, vertex + u, vertex + v].map(|p| p.as_vec3())],
             vec![],
             kernel,
         );
-        let line = Bvh::new(
+        let collinear = Bvh::new(
             &[[vertex, vertex + u, vertex + 3.0 * u].map(|p| p.as_vec3())],
             vec![],
             kernel,
@@ -35,7 +35,7 @@ pub(super) fn edge_on(kernel: Kernel) -> f64 {
             if direction == DVec3::ZERO {
                 continue;
             }
-            for bvh in [&flat, &line] {
+            for bvh in [&triangle, &collinear] {
                 for start in [
                     vertex,
                     vertex - 2.0 * direction,
@@ -50,14 +50,14 @@ pub(super) fn edge_on(kernel: Kernel) -> f64 {
             let start = vertex + 20.0 * random.point();
             let target = vertex + f64::from(3.0 * random.unit()) * u;
             let ray = Ray::new(start.as_vec3(), (target - start).as_vec3());
-            hits += usize::from(line.closest(&ray, &mut traversal).is_some());
+            hits += usize::from(collinear.closest(&ray, &mut traversal).is_some());
         }
     }
     hits as f64
 }
 
-/// A square that a sliver of 1 to 1e-7 crosses, straight or turned, large or small: rays at it and just
-/// beside it meet something.
+/// A square crossed by a sliver of 1 to 1e-7, at several scales, axis-aligned or rotated: rays to the sliver and just
+/// beside it hit something.
 pub(super) fn slivers(kernel: Kernel) -> f64 {
     let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
     let strip = Polyhedron {
@@ -77,8 +77,12 @@ pub(super) fn slivers(kernel: Kernel) -> f64 {
     let mut misses = 0;
     for scale in [1e-6, 1.0, 1e6] {
         for angle in [0.0, 0.7] {
-            let turn = Transform::new(DVec3::splat(scale), DVec3::splat(angle), DVec3::ZERO);
-            let bvh = Bvh::new(&strip.moved(|p| turn.point(p)).triangles(), vec![], kernel);
+            let transform = Transform::new(DVec3::splat(scale), DVec3::splat(angle), DVec3::ZERO);
+            let bvh = Bvh::new(
+                &strip.moved(|p| transform.point(p)).triangles(),
+                vec![],
+                kernel,
+            );
             for i in 0..5000 {
                 let width = [1e-8, 1e-7, 1e-6, 0.4][i % 4];
                 let target = at(
@@ -86,7 +90,7 @@ pub(super) fn slivers(kernel: Kernel) -> f64 {
                     width * random.point().y,
                 );
                 let start = target + random.point() + 1.5 * DVec3::Z;
-                let [start, target] = [start, target].map(|p| turn.point(p).as_vec3());
+                let [start, target] = [start, target].map(|p| transform.point(p).as_vec3());
                 let ray = Ray::new(start, target - start);
                 misses += usize::from(bvh.closest(&ray, &mut traversal).is_none());
             }
@@ -95,14 +99,14 @@ pub(super) fn slivers(kernel: Kernel) -> f64 {
     misses as f64
 }
 
-/// Long triangles with vertices in whole numbers, whose exact normals are whole numbers, too. Single
-/// precision writes a unit vector to 6e-8 in each coordinate.
+/// Long triangles with integer vertices, whose exact normals are integers, too. Single precision keeps a unit vector
+/// to 6e-8 in each coordinate.
 pub(super) fn sliver_normals(_: Kernel) -> f64 {
     let mut random = Random::new(4);
     let mut worst: f64 = 0.0;
     for _ in 0..20_000 {
-        let mut whole = |size: i64| [0; 3].map(|_| random.whole(size));
-        let (a, long, short) = (whole(1 << 20), whole(1 << 22), whole(2));
+        let mut integers = |size: i64| [0; 3].map(|_| random.whole(size));
+        let (a, long, short) = (integers(1 << 20), integers(1 << 22), integers(2));
         let b: [i64; 3] = std::array::from_fn(|i| a[i] + long[i]);
         let c: [i64; 3] = std::array::from_fn(|i| a[i] + long[i] / 2 + short[i]);
         let [u, v] = [b, c].map(|p| -> [i128; 3] { std::array::from_fn(|i| (p[i] - a[i]).into()) });
@@ -127,8 +131,8 @@ pub(super) fn sliver_normals(_: Kernel) -> f64 {
     worst
 }
 
-/// Of a hundred thousand equal triangles, their vertices in any order, the first is hit; and so it is of two
-/// of 1 to 1000 m, seen from 2 m.
+/// Of a hundred thousand equal triangles, their vertices in any order, the first is hit. So is the first of two
+/// triangles of 1 to 1000 m, from 2 m away.
 pub(super) fn coincident(kernel: Kernel) -> f64 {
     let vertices = [
         Vec3::new(-1.1, -0.9, -2.3),
@@ -163,8 +167,8 @@ pub(super) fn coincident(kernel: Kernel) -> f64 {
     others as f64
 }
 
-/// Triangles without area are left out and counted, others are kept, be they ever so small; a vertex
-/// without a normal has the triangle's.
+/// Triangles without area are dropped and counted; others are kept, however small. A vertex without a normal gets the
+/// triangle's.
 pub(super) fn without_area(kernel: Kernel) -> f64 {
     let mesh = Polyhedron {
         vertices: vec![

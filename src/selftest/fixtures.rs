@@ -1,4 +1,4 @@
-//! What cases share: cameras, lights, materials, scenes, renderers and error measures.
+//! Shared by the cases: cameras, lights, materials, scenes, renderers and error measures.
 
 use super::shapes::Polyhedron;
 use crate::accel::Traversal;
@@ -19,7 +19,7 @@ pub(super) fn camera_at(eye: DVec3, target: DVec3, degrees: f64) -> Camera {
     Camera::look_at(eye, target, degrees.to_radians()).expect("not straight up or down")
 }
 
-/// A mirror that loses nothing.
+/// A mirror that reflects all light.
 pub(super) fn perfect_mirror() -> Material {
     Material {
         reflective: Vec3::ONE,
@@ -48,7 +48,7 @@ pub(super) fn white_scene(meshes: &[&Polyhedron], kernel: Kernel) -> Scene {
     builder.build().0
 }
 
-/// The normalised ray from `eye` along `direction`, relative to the origin of the scene.
+/// The ray from `eye` along `direction`, normalised and relative to the origin of the scene.
 pub(super) fn ray_in(scene: &Scene, eye: DVec3, direction: DVec3) -> Ray {
     let origin = (eye - scene.origin).as_vec3();
     Ray::new(origin, direction.normalize().as_vec3())
@@ -63,7 +63,7 @@ pub(super) fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Option<Hit>> {
 
 /// The sine of the angle between a unit vector and an exact one of any length.
 pub(super) fn sine(unit: Vec3, exact: DVec3) -> f64 {
-    // Scaled first, as its square may be too small or too large.
+    // Scaled first, as its square may underflow or overflow.
     let exact = (exact / exact.abs().max_element()).normalize();
     unit.as_dvec3().cross(exact).length()
 }
@@ -71,7 +71,7 @@ pub(super) fn sine(unit: Vec3, exact: DVec3) -> f64 {
 /// Direct light only.
 pub(super) const DIRECT: IntegratorSettings = IntegratorSettings::Whitted { bounces: 0 };
 
-/// Path tracing with so many bounces and splits.
+/// Path tracing with these numbers of bounces and splits.
 pub(super) fn path_traced(bounces: u32, splits: [u32; 2]) -> IntegratorSettings {
     IntegratorSettings::PathTraced {
         bounces,

@@ -3,7 +3,7 @@
 use super::fixtures::{camera_at, path_traced, renderer, worse};
 use super::room::room;
 use super::shapes::Polyhedron;
-use super::textures::Picture;
+use super::textures::ReferenceTexture;
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrator::IntegratorSettings;
@@ -36,7 +36,7 @@ fn film((scene, camera): &(Scene, Camera), settings: &RenderSettings) -> Film {
     renderer(scene, settings).render_frame(camera, 0).film
 }
 
-/// How many pixels of two films differ, bit by bit.
+/// The number of pixels of two films that differ in any bit.
 fn differing(a: &Film, b: &Film) -> f64 {
     let bits = |film: &Film| -> Vec<[u32; 3]> {
         film.pixels()
@@ -48,7 +48,7 @@ fn differing(a: &Film, b: &Film) -> f64 {
     pairs.filter(|(a, b)| a != b).count() as f64
 }
 
-/// The largest difference of the ray-traced pictures of two rooms, in 8-bit codes.
+/// The largest difference of the ray-traced frames of two rooms, in 8-bit codes.
 fn code_difference(a: &(Scene, Camera), b: &(Scene, Camera)) -> f64 {
     let mut worst = 0;
     for settings in &four_modes()[..2] {
@@ -61,22 +61,22 @@ fn code_difference(a: &(Scene, Camera), b: &(Scene, Camera)) -> f64 {
     worst.into()
 }
 
-/// Pictures of rooms that differ in nothing but their size.
+/// Rooms that differ in size only.
 pub(super) fn scales(kernel: Kernel) -> f64 {
     let one = room(1.0, DVec3::ZERO, kernel);
     let difference = |scale| code_difference(&one, &room(scale, DVec3::ZERO, kernel));
     difference(1e-3).max(difference(1e6))
 }
 
-/// Scaling by a power of two changes no bit of a significand: path-traced frames must be equal in every bit, unless some
-/// length is not relative to the scene.
+/// Scaling by a power of two changes no bit of a significand: path-traced frames differ only if some length is not
+/// relative to the scene.
 pub(super) fn powers_of_two(kernel: Kernel) -> f64 {
     let settings = settings(path_traced(3, [2, 1]), PixelSampling::Spread(1));
-    let of = |scale: f64| film(&room(scale, DVec3::ZERO, kernel), &settings);
-    let one = of(1.0);
+    let rendered = |scale: f64| film(&room(scale, DVec3::ZERO, kernel), &settings);
+    let one = rendered(1.0);
     let scales = [2.0_f64.powi(-20), 2.0_f64.powi(20)];
     scales
-        .map(|scale| differing(&one, &of(scale)))
+        .map(|scale| differing(&one, &rendered(scale)))
         .into_iter()
         .sum()
 }
@@ -109,34 +109,34 @@ pub(super) fn threads(kernel: Kernel) -> f64 {
     for mode in &four_modes() {
         sum += match (on(1, mode), on(2, mode), on(5, mode)) {
             (Ok(one), Ok(two), Ok(five)) => differing(&one, &two) + differing(&one, &five),
-            // Without threads nothing is measured.
+            // Without threads nothing is measured, and NaN fails.
             _ => f64::NAN,
         };
     }
     sum
 }
 
-/// Ambient light under which a surface has the colour of its material.
-const EVEN: Vec3 = Vec3::splat(1.0 / 0.3);
+/// Ambient light under which the radiance of a surface is its diffuse colour.
+const FULL_AMBIENT: Vec3 = Vec3::splat(1.0 / 0.3);
 
-/// A camera goes through a wall of 1e-6 m in steps of 1e-6 m, 1e3 m from the middle of the scene, where an
-/// ulp is 6e-5 m. Ahead it sees the wall until it is there, and then the background; behind it the
-/// background, and then the wall: nothing comes back. One colour, as both sides have the same coordinates.
+/// A camera flies through a wall of 1e-6 m in steps of 1e-6 m, 1e3 m from the middle of the scene, where an ulp is
+/// 6e-5 m. Looking ahead it sees the wall, then the background; looking back, the background, then the wall. Each view
+/// changes only once. Both sides of the wall round to the same coordinates, so the first mesh is hit from either side.
 pub(super) fn through_a_wall(kernel: Kernel) -> f64 {
     const WALL: f64 = 1000.3;
     let [right, up] = [DVec3::Y, DVec3::Z].map(|side| 4.0 * side);
     let side = |x: f64| Polyhedron::quad(DVec3::new(x, -2.0, -2.0), right, up);
     let front = side(WALL);
-    let twin = front.moved(|p| -p);
+    let mirrored = front.moved(|p| -p);
     let builder = SceneBuilder {
-        ambient: EVEN,
+        ambient: FULL_AMBIENT,
         background: Vec3::Z,
         materials: vec![Material::lambert(Vec3::X), Material::lambert(Vec3::Y)],
         meshes: vec![
             front.mesh(0),
             side(WALL - 1e-6).mesh(1),
-            twin.mesh(0),
-            twin.mesh(0),
+            mirrored.mesh(0),
+            mirrored.mesh(0),
         ],
         kernel,
         ..SceneBuilder::default()
@@ -148,9 +148,9 @@ pub(super) fn through_a_wall(kernel: Kernel) -> f64 {
         ..settings(WHITTED, PixelSampling::Center)
     };
     let renderer = renderer(&scene, &settings);
-    let sees_wall = |x: f64, way: f64| {
+    let sees_wall = |x: f64, facing: f64| {
         let eye = DVec3::new(x, 0.1, 0.2);
-        let camera = camera_at(eye, eye + DVec3::new(way, 0.01, 0.02), 1.0);
+        let camera = camera_at(eye, eye + DVec3::new(facing, 0.01, 0.02), 1.0);
         let seen = renderer.render_frame(&camera, 0).film.pixels()[0];
         seen.distance(Vec3::X) < 1e-6
     };
@@ -162,7 +162,7 @@ pub(super) fn through_a_wall(kernel: Kernel) -> f64 {
     let behind: Vec<bool> = steps
         .map(|i| sees_wall(WALL - 1e-6 * f64::from(i), 1.0))
         .collect();
-    // Right but for an ulp, and one change only.
+    // The right side except within an ulp of the wall, and one change.
     let wrong = |seen: &[bool], first: bool| {
         let early = seen[..240].iter().filter(|&&wall| wall != first).count();
         let late = seen[361..].iter().filter(|&&wall| wall == first).count();
@@ -172,15 +172,15 @@ pub(super) fn through_a_wall(kernel: Kernel) -> f64 {
     (wrong(&ahead, true) + wrong(&behind, false)) as f64
 }
 
-/// A camera moves 1e-4 m a frame, 1e4 m from the origin, past a post in front of a papered wall. Every
-/// pixel is computed in double precision; what a frame deviates from that, and what the deviation
-/// changes from one frame to the next, is a jump that no motion explains.
+/// A camera moves 1e-4 m a frame, 1e4 m from the origin, past a post in front of a textured wall. Measured are the
+/// deviation of each pixel from its value in double precision, and the change of that deviation from frame to frame:
+/// jitter that the motion does not explain.
 pub(super) fn slow_dolly(kernel: Kernel) -> f64 {
     const FRAMES: u32 = 2000;
     const SIZE: DVec2 = DVec2::new(24.0, 4.0);
     const POST: [f64; 2] = [-0.1, 0.05];
     let base = DVec3::splat(1e4);
-    let paper = Picture::colorful(64, 64);
+    let wall_texture = ReferenceTexture::colorful(64, 64);
     let wall = Polyhedron::quad(
         base + DVec3::new(-2.0, -2.0, -2.0),
         4.0 * DVec3::X,
@@ -192,22 +192,22 @@ pub(super) fn slow_dolly(kernel: Kernel) -> f64 {
         width,
         4.0 * DVec3::Y,
     );
-    let papered = SourceMesh {
+    let textured = SourceMesh {
         uvs: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
         ..wall.mesh(1)
     };
-    let of_post = 0.3;
+    let post_radiance = 0.3;
     let builder = SceneBuilder {
-        ambient: EVEN,
+        ambient: FULL_AMBIENT,
         materials: vec![
-            Material::lambert(Vec3::splat(of_post as f32)),
+            Material::lambert(Vec3::splat(post_radiance as f32)),
             Material {
                 texture: Some(0),
                 ..Material::lambert(Vec3::ONE)
             },
         ],
-        textures: vec![paper.texture()],
-        meshes: vec![papered, post.mesh(0)],
+        textures: vec![wall_texture.texture()],
+        meshes: vec![textured, post.mesh(0)],
         kernel,
         ..SceneBuilder::default()
     };
@@ -223,13 +223,13 @@ pub(super) fn slow_dolly(kernel: Kernel) -> f64 {
         let slope = (film - 0.5 * SIZE) * DVec2::new(pixel, -pixel);
         let on_post = x + slope.x;
         let on_wall = DVec2::new(x, 0.0) + 2.0 * slope;
-        let of_wall = paper.color((on_wall + 2.0) / 4.0).x;
+        let wall_radiance = wall_texture.color((on_wall + 2.0) / 4.0).x;
         let to_edge = (on_post - POST[0]).min(POST[1] - on_post);
         // Within a micrometre of the edge either may be seen.
         match to_edge {
-            _ if to_edge.abs() < 1e-6 => [of_post, of_wall],
-            _ if to_edge > 0.0 => [of_post; 2],
-            _ => [of_wall; 2],
+            _ if to_edge.abs() < 1e-6 => [post_radiance, wall_radiance],
+            _ if to_edge > 0.0 => [post_radiance; 2],
+            _ => [wall_radiance; 2],
         }
     };
     let mut worst: f64 = 0.0;

@@ -16,9 +16,8 @@ use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// Eighty triangles with the normals of a sphere, lit from the side. Convex, so nothing shades anything:
-/// a point has the light of its interpolated normal where the lamp is before its triangle, and none where
-/// it is behind it.
+/// Eighty triangles with the normals of a sphere, lit from the side. The mesh is convex, so nothing casts a shadow: a
+/// point is lit by its interpolated normal where the lamp is in front of its triangle, and dark where it is behind.
 pub(super) fn terminator(kernel: Kernel) -> f64 {
     let ball = Polyhedron::icosphere(1);
     let smooth = SourceMesh {
@@ -30,7 +29,7 @@ pub(super) fn terminator(kernel: Kernel) -> f64 {
         ..ball.mesh(0)
     };
     let position = DVec3::new(30.0, 8.0, 2.0);
-    // 1 where the light comes straight from 30 m.
+    // Radiance 1 at normal incidence from 30 m.
     let intensity = PI * 900.0;
     let builder = SceneBuilder {
         materials: vec![Material::lambert(Vec3::ONE)],
@@ -48,20 +47,20 @@ pub(super) fn terminator(kernel: Kernel) -> f64 {
         let (eye, direction) = (DVec3::Z * 5.0, film - DVec3::Z * 5.0);
         let ray = Ray::new(eye.as_vec3(), direction.normalize().as_vec3());
         let nearest = nearest_triangle(&ray, &triangles);
-        let Some((number, t, [u, v])) = nearest else {
+        let Some((triangle, t, [u, v])) = nearest else {
             continue;
         };
-        let [a, b, c] = ball.faces[number].map(|vertex| ball.vertices[vertex as usize]);
+        let [a, b, c] = ball.faces[triangle].map(|vertex| ball.vertices[vertex as usize]);
         let to_lamp = position - ray.at(t);
-        let before = (b - a).cross(c - a).normalize().dot(to_lamp.normalize());
+        let geometric_cos = (b - a).cross(c - a).normalize().dot(to_lamp.normalize());
         let normal = ((1.0 - u - v) * a + u * b + v * c).normalize();
-        let cos = normal.dot(to_lamp.normalize());
-        if u.min(v).min(1.0 - u - v) < 1e-4 || before.abs() < 1e-5 {
+        let shading_cos = normal.dot(to_lamp.normalize());
+        if u.min(v).min(1.0 - u - v) < 1e-4 || geometric_cos.abs() < 1e-5 {
             continue;
         }
-        let is_lit = before > 0.0 && cos > 0.0;
+        let is_lit = geometric_cos > 0.0 && shading_cos > 0.0;
         let exact = if is_lit {
-            cos * intensity / (PI * to_lamp.length_squared())
+            shading_cos * intensity / (PI * to_lamp.length_squared())
         } else {
             0.0
         };
@@ -72,8 +71,8 @@ pub(super) fn terminator(kernel: Kernel) -> f64 {
 }
 
 /// A ball of 0.1 m between perfect mirrors at x = -1 and x = 1. Its n-th image stands at 2 n + 0.3 (-1)^n
-/// and is seen after |n| reflections: rays a ten-thousandth inside its outline see it, others see the end
-/// of their path or leave the corridor, which both have the light 1.
+/// and is seen after |n| reflections: rays a ten-thousandth inside its outline see it; others have no bounces
+/// left or leave the corridor, both with the radiance 1.
 pub(super) fn mirror_corridor(kernel: Kernel) -> f64 {
     let wall = |x: f64| {
         Polyhedron::quad(
@@ -99,17 +98,17 @@ pub(super) fn mirror_corridor(kernel: Kernel) -> f64 {
         let x = 2.0 * f64::from(n) + if n % 2 == 0 { 0.3 } else { -0.3 };
         let image = DVec3::new(x, 0.0, -2.0);
         for bounces in 0..=4 {
-            let mirrors = integrator(&scene, &IntegratorSettings::Whitted { bounces });
+            let whitted = integrator(&scene, &IntegratorSettings::Whitted { bounces });
             for i in 0..200 {
-                let aside = image.cross(random.point()).normalize();
+                let sideways = image.cross(random.point()).normalize();
                 let fraction = [0.9999, 1.0001][i % 2];
-                // The tangent of the angle under which the outline is seen.
+                // The tangent of the image's angular radius.
                 let sine = 0.1 / image.length();
                 let tangent = sine / (1.0 - sine * sine).sqrt();
-                let direction = image.normalize() + fraction * tangent * aside;
+                let direction = image.normalize() + fraction * tangent * sideways;
                 let is_seen = fraction < 1.0 && n.unsigned_abs() <= bounces;
                 let exact = if is_seen { 0.25 } else { 1.0 };
-                let found = radiance_along(&mirrors, DVec3::ZERO, direction);
+                let found = radiance_along(&whitted, DVec3::ZERO, direction);
                 worst = worse(worst, (f64::from(found.x) - exact).abs());
             }
         }
@@ -117,17 +116,17 @@ pub(super) fn mirror_corridor(kernel: Kernel) -> f64 {
     worst
 }
 
-/// A perfect mirror close above a bright floor, both level or turned, seen at 89.99 and 89.9999 degrees from
-/// its normal: it shows the background, all of it, and nothing of the floor.
+/// A perfect mirror close above a bright floor, both horizontal or rotated, seen at 89.99 and 89.9999 degrees from its
+/// normal: it reflects all of the background, and no ray leaks to the floor.
 pub(super) fn grazing_mirror(kernel: Kernel) -> f64 {
     let mut random = Random::new(13);
     let mut worst: f64 = 0.0;
     for angle in [0.0, 0.7] {
-        let turn = Transform::new(DVec3::ONE, DVec3::splat(angle), DVec3::ZERO);
+        let rotation = Transform::new(DVec3::ONE, DVec3::splat(angle), DVec3::ZERO);
         let square = |y: f64| {
             let corner = DVec3::new(-100.0, y, 100.0);
             let level = Polyhedron::quad(corner, 200.0 * DVec3::X, -200.0 * DVec3::Z);
-            level.moved(|p| turn.point(p))
+            level.moved(|p| rotation.point(p))
         };
         let builder = SceneBuilder {
             ambient: Vec3::splat(3.0),
@@ -138,14 +137,14 @@ pub(super) fn grazing_mirror(kernel: Kernel) -> f64 {
             ..SceneBuilder::default()
         };
         let (scene, _) = builder.build();
-        let mirrors = integrator(&scene, &IntegratorSettings::Whitted { bounces: 4 });
+        let whitted = integrator(&scene, &IntegratorSettings::Whitted { bounces: 4 });
         for i in 0..10_000 {
-            let above = [0.01_f64, 0.0001][i % 2].to_radians().tan();
-            // It is met 20 m away.
-            let eye = turn.point(20.0 * above * DVec3::Y);
+            let slope = [0.01_f64, 0.0001][i % 2].to_radians().tan();
+            // The ray hits the mirror 20 m away.
+            let eye = rotation.point(20.0 * slope * DVec3::Y);
             let (sin, cos) = (2.0 * PI * f64::from(random.unit())).sin_cos();
-            let way = turn.point(DVec3::new(cos, -above, sin));
-            let found = radiance_along(&mirrors, eye, way);
+            let direction = rotation.point(DVec3::new(cos, -slope, sin));
+            let found = radiance_along(&whitted, eye, direction);
             let error = found.distance(Vec3::new(0.25, 0.5, 0.75));
             worst = worse(worst, error.into());
         }
@@ -153,10 +152,9 @@ pub(super) fn grazing_mirror(kernel: Kernel) -> f64 {
     worst
 }
 
-/// A lamp over the middle of a floor, at d m, of intensity pi d^2: it lights albedo 1/2 with 1/2, if the
-/// square of d is a number above 0 in single precision. Nearer than that, and at the point itself, its
-/// light may be missing, but not infinite. One of constant light does so at any distance but 0. A lamp in
-/// the plane of the floor lights nothing, one in the plane of the ceiling the floor.
+/// A lamp of intensity pi d^2 at a height of d m gives a floor of albedo 1/2 the radiance 1/2, and so does a lamp of
+/// constant falloff. Where d^2 underflows in single precision, and at d = 0, light may be missing, but not infinite. A
+/// lamp in the plane of the floor does not light it; one in the plane of the ceiling does.
 pub(super) fn near_and_far(kernel: Kernel) -> f64 {
     let square =
         |y: f64| Polyhedron::quad(DVec3::new(-2.0, y, 2.0), 4.0 * DVec3::X, -4.0 * DVec3::Z);
@@ -200,12 +198,12 @@ pub(super) fn near_and_far(kernel: Kernel) -> f64 {
     let in_the_floor = lit(0.5 * DVec3::X, 1.0, Falloff::InverseSquare, None);
     let at_the_point = lit(DVec3::ZERO, 1.0, Falloff::InverseSquare, None);
     let in_the_ceiling = lit(2.0 * DVec3::Y, 4.0 * PI, Falloff::InverseSquare, Some(2.0));
-    let others = [in_the_floor, at_the_point, (in_the_ceiling - 0.5).abs()];
-    others.into_iter().fold(worst, worse)
+    let limits = [in_the_floor, at_the_point, (in_the_ceiling - 0.5).abs()];
+    limits.into_iter().fold(worst, worse)
 }
 
-/// In a sphere of radius 1 and albedo 1/2 with a lamp of intensity pi in its middle every point has 1/2
-/// directly, and 2^-(k + 1) from the k-th bounce, on every path.
+/// In a sphere of radius 1 and albedo 1/2 with a lamp of intensity pi in its middle every point has the radiance 1/2
+/// from direct light, and 2^-(k + 1) from the k-th bounce, on every path.
 pub(super) fn sphere_interior(kernel: Kernel) -> f64 {
     let ball = Sphere::new(DVec3::new(5.0, -2.0, 7.0), 1.0);
     let builder = SceneBuilder {
@@ -220,17 +218,17 @@ pub(super) fn sphere_interior(kernel: Kernel) -> f64 {
     let mut worst: f64 = 0.0;
     for bounces in [0, 1, 2, 3, 4, 20] {
         let exact = 1.0 - 0.5_f64.powi(bounces as i32 + 1);
-        let gathered = integrator(&scene, &path_traced(bounces, [4, 2]));
+        let path_tracer = integrator(&scene, &path_traced(bounces, [4, 2]));
         for _ in 0..100 {
             let eye = ball.center + 0.5 * random.point();
-            let found = radiance_along(&gathered, eye, random.point());
+            let found = radiance_along(&path_tracer, eye, random.point());
             worst = worse(worst, (f64::from(found.x) - exact).abs());
         }
     }
     worst
 }
 
-/// White furnace: under a sky of radiance 1 a ball of albedo a has the radiance a, a mirror 1, and a mixture of
+/// White furnace: under a sky of radiance 1 a ball of albedo a has the radiance a, a mirror 1, and a blend of
 /// both the weighted mean.
 pub(super) fn furnace(kernel: Kernel) -> f64 {
     let mut random = Random::new(15);
@@ -251,10 +249,10 @@ pub(super) fn furnace(kernel: Kernel) -> f64 {
             };
             let (scene, _) = builder.build();
             let exact = f64::from((1.0 - reflectance) * albedo + reflectance);
-            let gathered = integrator(&scene, &path_traced(2, [4, 2]));
+            let path_tracer = integrator(&scene, &path_traced(2, [4, 2]));
             for _ in 0..100 {
                 let eye = 5.0 * random.point().normalize_or(DVec3::X);
-                let found = radiance_along(&gathered, eye, 0.5 * random.point() - eye);
+                let found = radiance_along(&path_tracer, eye, 0.5 * random.point() - eye);
                 worst = worse(worst, (f64::from(found.x) - exact).abs());
             }
         }

@@ -12,7 +12,6 @@ mod light;
 mod room;
 mod shapes;
 mod spheres;
-
 mod surfaces;
 mod textures;
 mod watertight;
@@ -35,13 +34,14 @@ pub struct Case {
 }
 
 impl Case {
-    /// Runs the case on the threads of the current pool; gives the largest value with each of [`Kernel::available`].
+    /// Runs the case on the threads of the current pool; returns the largest value with each of
+    /// [`Kernel::available`].
     pub fn run(&self) -> Vec<f64> {
         let kernels = Kernel::available().into_par_iter();
         kernels.map(self.measure).collect()
     }
 
-    /// Whether all values are within the limit; NaN is not.
+    /// Whether all values are within the limit. NaN is not.
     pub fn holds(&self, worst: &[f64]) -> bool {
         worst.iter().all(|worst| *worst <= self.limit)
     }
@@ -85,15 +85,15 @@ cases! {
         edge_on, "rays in a triangle's plane; without area": "hits", at most 0.0;
         slivers, "a sliver of 1 to 1e-7 among others": "rays that pass between", at most 0.0;
         sliver_normals, "normals of slivers": "sine of the angle to the exact one", at most 2e-7;
-        coincident, "100,000 triangles in one place": "hits of another than the first", at most 0.0;
-        without_area, "vertices that coincide or lie in line": "not dropped, not counted", at most 0.0;
+        coincident, "100,000 coincident triangles": "hits of any but the first", at most 0.0;
+        without_area, "coincident or collinear vertices": "not dropped, not counted", at most 0.0;
     }
     boxes {
         brute_force, "2 x 1,000,000 rays, double precision": "other hits than brute force", at most 0.0;
         along_axes, "rays along axes, 0, -0, 1e-38, 1e-45": "other hits than brute force", at most 0.0;
         small_scenes, "no shape, one, two, a few": "other hits than brute force", at most 0.0;
         on_huge_ground, "triangles of 1e-3 m on a ground of 1e6 m": "other hits than brute force", at most 0.0;
-        deep_trees, "100,000 equal centres; huge among tiny": "other hits, faults of the tree", at most 0.0;
+        deep_trees, "100,000 equal centres; huge among tiny": "other hits, faults of the BVH", at most 0.0;
     }
     spheres {
         hits_and_misses, "0 to 1e6 radii away, exact arithmetic": "wrong hits and misses", at most 0.0;
@@ -103,8 +103,8 @@ cases! {
         ground, "a ground of radius 1e6 m from 1 m above": "relative error of the radiance", at most 1e-4;
     }
     surfaces {
-        leaving_triangles, "1,000,000 rays leave each of five quads": "meet the quad again", at most 0.0;
-        leaving_spheres, "rays leave spheres, out- and inwards": "meet it where they left", at most 0.0;
+        leaving_triangles, "1,000,000 rays leave each of five quads": "hit the quad again", at most 0.0;
+        leaving_spheres, "rays leave spheres, out- and inwards": "hit it where they left", at most 0.0;
         closed_corner, "1,000,000 rays from 1e-4 m beside edges": "escapes", at most 0.0;
         thin_wall, "a wall thinner than an ulp before a lamp": "points with wrong shadow", at most 0.0;
     }

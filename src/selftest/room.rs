@@ -10,8 +10,8 @@ use crate::simd::Kernel;
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 
-/// A room with everything that a scene may have, `scale` m wide, its middle at `middle`; lamps are as
-/// much brighter as it is larger, so that it looks the same.
+/// A room `scale` m wide around `middle`, with every kind of shape and material. Intensities grow with the square of
+/// the scale, so that radiance does not depend on it.
 pub(super) fn room(scale: f64, middle: DVec3, kernel: Kernel) -> (Scene, Camera) {
     let place = |p: DVec3| p * scale + middle;
     let at = |x: f64, y: f64, z: f64| place(DVec3::new(x, y, z));
@@ -21,21 +21,21 @@ pub(super) fn room(scale: f64, middle: DVec3, kernel: Kernel) -> (Scene, Camera)
         0.9 * DVec3::X,
         -0.9 * DVec3::Z,
     );
-    let bust = Polyhedron::icosphere(2);
-    let placed_bust = bust.moved(|p| place(DVec3::new(-0.2, -0.3, -0.1) + 0.13 * p));
+    let mesh_ball = Polyhedron::icosphere(2);
+    let placed_mesh_ball = mesh_ball.moved(|p| place(DVec3::new(-0.2, -0.3, -0.1) + 0.13 * p));
     let smooth = SourceMesh {
-        normals: bust
+        normals: mesh_ball
             .vertices
             .iter()
             .map(|vertex| vertex.as_vec3())
             .collect(),
-        ..placed_bust.mesh(3)
+        ..placed_mesh_ball.mesh(3)
     };
     let tiled = SourceMesh {
         uvs: vec![Vec2::ZERO, 2.0 * Vec2::X, 2.0 * Vec2::ONE, 2.0 * Vec2::Y],
         ..floor.moved(place).mesh(1)
     };
-    let sign = SourceMesh {
+    let blended = SourceMesh {
         positions: vec![
             at(-0.3, 0.0, -0.4),
             at(0.1, 0.05, -0.45),
@@ -48,7 +48,7 @@ pub(super) fn room(scale: f64, middle: DVec3, kernel: Kernel) -> (Scene, Camera)
     };
     let ball = |center: DVec3, radius: f64| Sphere::new(place(center), radius * scale);
     let texels = (0..16).map(|i| [60 + 12 * i, 250 - 13 * i, 90 + 70 * (i % 3)]);
-    let brightness = |intensity: f64| (intensity * scale * scale) as f32;
+    let scaled_intensity = |intensity: f64| (intensity * scale * scale) as f32;
     let builder = SceneBuilder {
         ambient: Vec3::splat(0.2),
         background: Vec3::ZERO,
@@ -70,14 +70,14 @@ pub(super) fn room(scale: f64, middle: DVec3, kernel: Kernel) -> (Scene, Camera)
         ],
         textures: Texture::new(4, 4, texels.collect()).into_iter().collect(),
         lights: vec![
-            lamp(at(-0.3, 0.4, 0.2), brightness(0.4)),
-            lamp(at(0.35, 0.3, -0.1), brightness(0.2)),
+            lamp(at(-0.3, 0.4, 0.2), scaled_intensity(0.4)),
+            lamp(at(0.35, 0.3, -0.1), scaled_intensity(0.2)),
         ],
         spheres: vec![
             (ball(DVec3::new(0.22, -0.28, -0.2), 0.2), 2),
             (ball(DVec3::new(0.05, -0.4, 0.1), 0.07), 1),
         ],
-        meshes: vec![walls.mesh(0), tiled, smooth, sign],
+        meshes: vec![walls.mesh(0), tiled, smooth, blended],
         kernel,
     };
     let camera = camera_at(at(0.31, 0.11, 0.44), at(-0.07, -0.21, -0.2), 65.0);

@@ -13,7 +13,7 @@ pub(super) struct Polyhedron {
 }
 
 impl Polyhedron {
-    /// A closed mesh of 20 * 4^levels triangles with vertices on the unit sphere, seen from outside.
+    /// A closed mesh of 20 * 4^levels triangles with vertices on the unit sphere, its faces pointing outward.
     pub(super) fn icosphere(levels: usize) -> Polyhedron {
         let phi = (1.0 + 5.0_f64.sqrt()) / 2.0;
         let mut vertices = Vec::new();
@@ -86,7 +86,7 @@ impl Polyhedron {
         Polyhedron { vertices, faces }
     }
 
-    /// A box from `min` to `max`, seen from outside.
+    /// A box from `min` to `max`, its faces pointing outward.
     pub(super) fn cuboid(min: DVec3, max: DVec3) -> Polyhedron {
         let (vertices, faces) = geometry::cuboid(min, max);
         Polyhedron { vertices, faces }
@@ -100,7 +100,7 @@ impl Polyhedron {
         }
     }
 
-    /// The same with its vertices elsewhere.
+    /// A copy whose vertices are mapped by `to`.
     pub(super) fn moved(&self, to: impl Fn(DVec3) -> DVec3) -> Polyhedron {
         Polyhedron {
             vertices: self.vertices.iter().map(|&vertex| to(vertex)).collect(),

@@ -1,4 +1,4 @@
-//! Spheres against exact arithmetic in whole numbers.
+//! Sphere intersections against exact integer arithmetic.
 
 use super::fixtures::{DIRECT, camera_at, lamp, renderer, worse};
 use crate::accel::{Bvh, Traversal};
@@ -13,17 +13,17 @@ use crate::simd::Kernel;
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// A line in whole numbers, relative to the centre of a sphere.
+/// A line with integer coordinates, relative to the centre of a sphere.
 #[derive(Clone, Copy)]
-struct WholeLine {
+struct IntegerLine {
     from: [i64; 3],
     direction: [i64; 3],
 }
 
-impl WholeLine {
-    /// Where the line meets a sphere of whole radius, in lengths of its direction. Whether it does is
-    /// exact; distances are rounded in their last steps only.
-    fn meet(&self, radius: i64) -> Option<[f64; 2]> {
+impl IntegerLine {
+    /// Where the line intersects a sphere of integer radius, in lengths of its direction. Whether it does is exact;
+    /// distances are rounded in their last steps only.
+    fn intersect(&self, radius: i64) -> Option<[f64; 2]> {
         let dot = |u: [i64; 3], v: [i64; 3]| -> i128 {
             (0..3).map(|i| i128::from(u[i]) * i128::from(v[i])).sum()
         };
@@ -41,12 +41,12 @@ impl WholeLine {
         Some([t0.min(t1), t0.max(t1)])
     }
 
-    /// The nearest meeting in front of its start.
+    /// The nearest intersection in front of its start.
     fn first(&self, radius: i64) -> Option<f64> {
-        self.meet(radius)?.into_iter().find(|t| *t > 0.0)
+        self.intersect(radius)?.into_iter().find(|t| *t > 0.0)
     }
 
-    /// The ray along the line, with a sphere's centre in whole numbers, all of it times `scale`.
+    /// The ray along the line, moved by the centre of the sphere, all scaled by `scale`.
     fn ray(&self, center: [i64; 3], scale: f64) -> Ray {
         let at = |i: usize| ((self.from[i] + center[i]) as f64 * scale) as f32;
         let direction = self.direction.map(|x| x as f32);
@@ -54,12 +54,12 @@ impl WholeLine {
     }
 }
 
-fn point(whole: [i64; 3]) -> DVec3 {
-    DVec3::from_array(whole.map(|x| x as f64))
+fn point(integers: [i64; 3]) -> DVec3 {
+    DVec3::from_array(integers.map(|x| x as f64))
 }
 
-/// Wrong hits and misses, and the largest error of a distance in radii, of lines to spheres: from inside,
-/// from the surface itself, and from 1 to 1e6 radii away; of 4e-6 to 1e12 m; one sphere alone, and in a tree.
+/// Wrong hits and misses, and the largest error of a distance in radii, of rays to spheres: from inside, from the
+/// surface itself, and from 1 to 1e6 radii away; of 4e-6 to 1e12 m; one sphere alone, and in a BVH with others.
 fn against_exact(kernel: Kernel) -> (usize, f64) {
     let mut random = Random::new(1);
     let mut traversal = Traversal::default();
@@ -67,29 +67,30 @@ fn against_exact(kernel: Kernel) -> (usize, f64) {
     for ratio in [0, 1, 2, 10, 1000, 10_000, 1_000_000] {
         let radius = (4_000_000 / ratio.max(1)).min(700_000);
         let center = [0; 3].map(|_| random.whole(1_000_000));
-        // Powers of two leave whole numbers as exact as they are.
+        // Scaling by a power of two keeps integers exact.
         for exponent in [-20, -10, 0, 10, 20] {
             let scale = 2.0_f64.powi(exponent);
-            let this = Sphere::new(point(center) * scale, radius as f64 * scale);
-            let far = |i: i32| Sphere::new(DVec3::splat(1e8 * f64::from(i) * scale), this.radius);
-            for spheres in [vec![this], vec![this, far(1), far(2), far(3)]] {
+            let sphere = Sphere::new(point(center) * scale, radius as f64 * scale);
+            let far = |i: i32| Sphere::new(DVec3::splat(1e8 * f64::from(i) * scale), sphere.radius);
+            for spheres in [vec![sphere], vec![sphere, far(1), far(2), far(3)]] {
                 let bvh = Bvh::new(&[], spheres, kernel);
                 for _ in 0..4000 {
-                    let mut near = |size: i64| [0; 3].map(|_| random.whole(size));
+                    let mut integers = |size: i64| [0; 3].map(|_| random.whole(size));
                     let from = match ratio {
-                        0 => near(radius / 2),
+                        0 => integers(radius / 2),
                         // 2^2 + 3^2 + 6^2 = 7^2.
                         1 => [2, -3, 6].map(|part| radius / 7 * part),
-                        _ => (point(near(1000)).normalize_or(DVec3::X) * (ratio * radius) as f64)
+                        _ => (point(integers(1000)).normalize_or(DVec3::X)
+                            * (ratio * radius) as f64)
                             .to_array()
                             .map(|x| x as i64),
                     };
-                    let target = near(radius + radius / 4);
+                    let target = integers(radius + radius / 4);
                     let direction = std::array::from_fn(|i| target[i] - from[i]);
                     if direction == [0; 3] {
                         continue;
                     }
-                    let line = WholeLine { from, direction };
+                    let line = IntegerLine { from, direction };
                     let found = bvh.closest(&line.ray(center, scale), &mut traversal);
                     let found = found.map(|hit| hit.t / scale);
                     match (found, line.first(radius)) {
@@ -114,8 +115,8 @@ pub(super) fn distances(kernel: Kernel) -> f64 {
     against_exact(kernel).1
 }
 
-/// Lines that pass the centre at r (1 + k 2^-23), k from -4 to 4: at a distance of r they are within the
-/// sphere where k <= 0, half a chord of sqrt(r^2 - y^2) before its middle.
+/// Rays whose line passes the centre at y = r (1 + k 2^-23), k from -4 to 4. Where k <= 0 they hit the sphere, half a
+/// chord of sqrt(r^2 - y^2) before the middle of the chord.
 pub(super) fn tangents(kernel: Kernel) -> f64 {
     let mut traversal = Traversal::default();
     let mut worst: f64 = 0.0;
@@ -132,8 +133,8 @@ pub(super) fn tangents(kernel: Kernel) -> f64 {
                 worst = worse(
                     worst,
                     match hit {
-                        // The tangent itself: either is right, and if it is a hit, this is where.
                         _ if squared < 0.0 => f64::from(u8::from(hit.is_some())),
+                        // At 0, the tangent itself, both a hit and a miss are right.
                         None => f64::from(u8::from(squared > 0.0)),
                         Some(hit) => {
                             let exact = f64::from(away) * exact_radius - squared.sqrt();
@@ -159,19 +160,19 @@ pub(super) fn concentric(kernel: Kernel) -> f64 {
         let spheres = radii.map(|radius| Sphere::new(DVec3::ZERO, radius as f64));
         let bvh = Bvh::new(&[], spheres.to_vec(), kernel);
         for i in 0..20_000 {
-            let mut near = |size: i64| [0; 3].map(|_| random.whole(size));
+            let mut integers = |size: i64| [0; 3].map(|_| random.whole(size));
             let from = if i % 2 == 0 {
-                let way = point(near(1000)).normalize_or(DVec3::X);
-                (way * 1e7).to_array().map(|x| x as i64)
+                let outward = point(integers(1000)).normalize_or(DVec3::X);
+                (outward * 1e7).to_array().map(|x| x as i64)
             } else {
-                near(5000)
+                integers(5000)
             };
-            let target = near(11_000);
+            let target = integers(11_000);
             let direction = std::array::from_fn(|i| target[i] - from[i]);
             if direction == [0; 3] {
                 continue;
             }
-            let line = WholeLine { from, direction };
+            let line = IntegerLine { from, direction };
             let exact = [line.first(radii[0]), line.first(radii[1])];
             let expected = match exact {
                 [Some(t0), Some(t1)] => Some(u32::from(t1 < t0)),
@@ -186,8 +187,8 @@ pub(super) fn concentric(kernel: Kernel) -> f64 {
     wrong as f64
 }
 
-/// A ball of 1 m on a sphere of 1e6 m, and a lamp. Computed with the height above the ground, where
-/// nothing cancels: c = h (2 r + h).
+/// A ball of 1 m on a sphere of 1e6 m, and a lamp. Computed from the height h above the ground, without cancellation:
+/// c = h (2 r + h).
 struct Ground {
     radius: f64,
     lamp: DVec3,
@@ -195,7 +196,7 @@ struct Ground {
 }
 
 impl Ground {
-    /// How far above the ground a point is; the ground touches the origin from below.
+    /// The height of a point above the ground, which touches the origin from below.
     fn height(&self, p: DVec3) -> f64 {
         let from_center = p.y + self.radius;
         let across = p.x * p.x + p.z * p.z;
@@ -203,9 +204,9 @@ impl Ground {
         p.y + across / ((from_center * from_center + across).sqrt() + from_center)
     }
 
-    /// Where a ray from a low point meets the ground; how far the ground is from the horizon, as a share
-    /// of what would be the square of the chord.
-    fn meet(&self, from: DVec3, direction: DVec3) -> (Option<f64>, f64) {
+    /// Where a ray from a low point hits the ground, and the discriminant relative to the squared distance of the
+    /// horizon: 0 at the horizon.
+    fn hit_ground(&self, from: DVec3, direction: DVec3) -> (Option<f64>, f64) {
         let h = self.height(from);
         let b = DVec3::new(from.x, from.y + self.radius, from.z).dot(direction);
         let c = h * (2.0 * self.radius + h);
@@ -214,47 +215,48 @@ impl Ground {
         (t, discriminant / c)
     }
 
-    /// Where a ray meets the ball; how deep it passes through it, in radii squared.
-    fn meet_ball(&self, from: DVec3, direction: DVec3) -> (Option<f64>, f64) {
+    /// Where a ray hits the ball, and 1 - d^2, where d is the distance of the ray's line from the centre: 0 at the
+    /// outline.
+    fn hit_ball(&self, from: DVec3, direction: DVec3) -> (Option<f64>, f64) {
         let to_ball = self.ball - from;
         let along = to_ball.dot(direction);
-        let depth = 1.0 - (to_ball - along * direction).length_squared();
-        let t = along - depth.max(0.0).sqrt();
-        ((depth > 0.0 && t > 0.0).then_some(t), depth)
+        let margin = 1.0 - (to_ball - along * direction).length_squared();
+        let t = along - margin.max(0.0).sqrt();
+        ((margin > 0.0 && t > 0.0).then_some(t), margin)
     }
 
-    /// The light of albedo 1/2 under a lamp of intensity 2 pi^2 at a point with a normal.
+    /// The radiance of a point with a normal: albedo 1/2 under a lamp of intensity 2 pi^2.
     fn light(&self, p: DVec3, normal: DVec3) -> f64 {
         let to_lamp = self.lamp - p;
         PI * to_lamp.normalize().dot(normal).max(0.0) / to_lamp.length_squared()
     }
 
-    /// What is seen along a ray; none where the answer is within rounding of an edge.
+    /// The radiance along a ray; none where it passes within rounding of an edge.
     fn radiance(&self, from: DVec3, direction: DVec3) -> Option<f64> {
-        let (ground, horizon) = self.meet(from, direction);
-        let (ball, depth) = self.meet_ball(from, direction);
-        if horizon.abs() < 1e-5 || depth.abs() < 1e-5 {
+        let (ground, horizon) = self.hit_ground(from, direction);
+        let (ball, margin) = self.hit_ball(from, direction);
+        if horizon.abs() < 1e-5 || margin.abs() < 1e-5 {
             return None;
         }
         if let Some(t) = ball {
             let p = from + t * direction;
-            let is_in_twilight = (self.lamp - p).normalize().dot(p - self.ball).abs() < 1e-5;
-            return (!is_in_twilight).then(|| self.light(p, p - self.ball));
+            let is_at_terminator = (self.lamp - p).normalize().dot(p - self.ball).abs() < 1e-5;
+            return (!is_at_terminator).then(|| self.light(p, p - self.ball));
         }
         let Some(t) = ground else { return Some(0.0) };
         let p = from + t * direction;
         let normal = (p + DVec3::Y * self.radius).normalize();
-        let (shadow, depth) = self.meet_ball(p, (self.lamp - p).normalize());
+        let (shadow, margin) = self.hit_ball(p, (self.lamp - p).normalize());
         match shadow {
-            _ if depth.abs() < 1e-5 => None,
+            _ if margin.abs() < 1e-5 => None,
             Some(_) => Some(0.0),
             None => Some(self.light(p, normal)),
         }
     }
 }
 
-/// Two pictures of a ground of 1e6 m from 1 m above: the ball and its shadow, and the horizon through a
-/// long lens, 1.4 mrad below eye level.
+/// Two views of a ground of 1e6 m from 1 m above: the ball and its shadow, and the horizon with a field of view of 1
+/// degree, 1.4 mrad below eye level.
 pub(super) fn ground(kernel: Kernel) -> f64 {
     let ground = Ground {
         radius: 1e6,
@@ -290,7 +292,7 @@ pub(super) fn ground(kernel: Kernel) -> f64 {
                 continue;
             };
             let error = (f64::from(pixel.x) - exact).abs();
-            // Light a thousandth as bright as the brightest counts as much as it.
+            // Relative to the exact radiance, or to a thousandth of the brightest where it is darker.
             worst = worse(worst, error / exact.max(1e-3 * PI / 25.0));
         }
     }

@@ -11,9 +11,9 @@ use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// A ray that leaves a point in a random direction with the pdf of the cosine; the shape that it
-/// leaves is not excluded.
-fn leave(point: &SurfacePoint, random: &mut Random) -> Ray {
+/// A ray that leaves a point in a random, cosine-distributed direction. Unlike those of the integrators it does not
+/// exclude the primitive that it leaves.
+fn random_ray_from(point: &SurfacePoint, random: &mut Random) -> Ray {
     let local = cosine_hemisphere(random.unit(), random.unit());
     let ray = point.spawn_ray(to_world(point.geometric_normal, local));
     Ray {
@@ -22,18 +22,19 @@ fn leave(point: &SurfacePoint, random: &mut Random) -> Ray {
     }
 }
 
-/// The rays that leave what some rays see.
-fn leaving(scene: &Scene, rays: &[Ray], random: &mut Random) -> Vec<Ray> {
+/// Random rays that leave the points that `rays` hit.
+fn random_rays_from_hits(scene: &Scene, rays: &[Ray], random: &mut Random) -> Vec<Ray> {
     let hits = first_hits(scene, rays);
-    let seen = rays
+    let found = rays
         .iter()
         .zip(hits)
         .filter_map(|(ray, hit)| Some((ray, hit?)));
-    seen.map(|(ray, hit)| leave(&scene.surface::<Only<0>>(ray, &hit).point, random))
+    found
+        .map(|(ray, hit)| random_ray_from(&scene.surface::<Only<0>>(ray, &hit).point, random))
         .collect()
 }
 
-/// A million for each set-up, in parts.
+/// The sum of `count` over 1000 parts, each with random numbers of its own.
 fn in_parts(count: impl Fn(&mut Random) -> usize + Sync) -> usize {
     (0..1000)
         .into_par_iter()
@@ -41,11 +42,12 @@ fn in_parts(count: impl Fn(&mut Random) -> usize + Sync) -> usize {
         .sum()
 }
 
+/// Rays of each part, so that all parts have a million.
 const PART: usize = 1000;
 
-/// Quads of two triangles, their vertices exact, seen from all around; what leaves one of the triangles
-/// meets neither it nor its neighbour. The quads 1e5 m away have a twin on the other side of the origin,
-/// which keeps their coordinates large; the largest one is the ground under someone's feet.
+/// Quads of two triangles with exact vertices, hit from all sides: a ray that leaves one triangle hits neither it nor
+/// its neighbour. The quad 1e5 m away has a copy on the other side of the origin, which keeps its coordinates large.
+/// The largest one is seen from 5 m, as the ground is.
 pub(super) fn leaving_triangles(kernel: Kernel) -> f64 {
     let (right, up) = (DVec3::new(1.0, 0.25, 0.5), DVec3::new(-0.5, 0.75, 0.25));
     let mut again = 0;
@@ -58,9 +60,9 @@ pub(super) fn leaving_triangles(kernel: Kernel) -> f64 {
     ] {
         let middle = DVec3::splat(shift);
         let quad = Polyhedron::quad(middle - 0.5 * size * (right + up), size * right, size * up);
-        let twin = quad.moved(|p| -p);
+        let copy = quad.moved(|p| -p);
         let meshes = if shift > 0.0 {
-            vec![&quad, &twin]
+            vec![&quad, &copy]
         } else {
             vec![&quad]
         };
@@ -69,16 +71,16 @@ pub(super) fn leaving_triangles(kernel: Kernel) -> f64 {
             let rays = (0..PART).map(|_| {
                 let (u, v) = (random.unit(), random.unit());
                 let target = quad.vertices[0] + size * (f64::from(u) * right + f64::from(v) * up);
-                let way = random.point();
-                let eye = target + distance * way.normalize_or(DVec3::Y);
+                let offset = random.point();
+                let eye = target + distance * offset.normalize_or(DVec3::Y);
                 ray_in(&scene, eye, target - eye)
             });
             let rays: Vec<Ray> = rays.collect();
-            let left = leaving(&scene, &rays, random);
-            let hits = first_hits(&scene, &left);
+            let spawned = random_rays_from_hits(&scene, &rays, random);
+            let hits = first_hits(&scene, &spawned);
             let is_far = |hit: &Option<Hit>| hit.is_none_or(|hit| hit.t > 1e4 * size);
             // Rays at the rim may miss, but no more than one in twenty.
-            let missed = PART - left.len();
+            let missed = PART - spawned.len();
             hits.iter().filter(|hit| !is_far(hit)).count()
                 + if missed > PART / 20 { missed } else { 0 }
         });
@@ -86,13 +88,13 @@ pub(super) fn leaving_triangles(kernel: Kernel) -> f64 {
     again as f64
 }
 
-/// From outside a ray must get away; from inside it meets the other side, at 2 r cos from the normal.
+/// From outside a ray must escape; from inside it hits the other side, at 2 r cos of its angle to the normal.
 pub(super) fn leaving_spheres(kernel: Kernel) -> f64 {
     let mut again = 0;
     for radius in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
         for center in [0.0, 0.7 * radius, 1e3 * radius] {
             let sphere = Sphere::new(DVec3::splat(center), radius);
-            // Two more, so that coordinates are not relative to the sphere's centre.
+            // Two more, so that the scene's origin is not the sphere's centre.
             let other = |center: DVec3| Sphere::new(center, radius);
             let far = DVec3::splat(center + 4.0 * radius);
             let builder = SceneBuilder {
@@ -113,19 +115,19 @@ pub(super) fn leaving_spheres(kernel: Kernel) -> f64 {
                 });
                 let rays: Vec<Ray> = rays.collect();
                 let hits = first_hits(&scene, &rays);
-                // A third of the targets and more are in the sphere.
-                let met = hits.iter().flatten().filter(|hit| hit.primitive == 0);
-                again += usize::from(met.count() < 1000);
+                // At least a third of the targets are in the sphere.
+                let hits_of_sphere = hits.iter().flatten().filter(|hit| hit.primitive == 0);
+                again += usize::from(hits_of_sphere.count() < 1000);
                 for (ray, hit) in rays.iter().zip(hits) {
                     let Some(hit) = hit.filter(|hit| hit.primitive == 0) else {
                         continue;
                     };
                     let point = scene.surface::<Only<0>>(ray, &hit).point;
-                    let left = leave(&point, &mut random);
-                    let cos = f64::from(left.direction.dot(point.geometric_normal));
+                    let spawned = random_ray_from(&point, &mut random);
+                    let cos = f64::from(spawned.direction.dot(point.geometric_normal));
                     let is_inside = distance < 1.0;
                     let least = if is_inside { cos } else { 2.0 } * radius;
-                    let is_right = match first_hits(&scene, &[left])[0] {
+                    let is_right = match first_hits(&scene, &[spawned])[0] {
                         Some(next) => next.primitive != 0 || next.t >= least,
                         None => !is_inside,
                     };
@@ -137,18 +139,18 @@ pub(super) fn leaving_spheres(kernel: Kernel) -> f64 {
     again as f64
 }
 
-/// A box of 1 m, 1e5 m from the origin, straight or turned; and one that has a twin on the other side of the
+/// A box of 1 m, 1e5 m from the origin, axis-aligned or rotated; and one that has a copy on the other side of the
 /// origin, so that an ulp is 8 mm: rays from the middle to points 1e-4 m from edges and corners, and on from
 /// there by four bounces.
 pub(super) fn closed_corner(kernel: Kernel) -> f64 {
     let cuboid = Polyhedron::cuboid(DVec3::splat(-0.5), DVec3::splat(0.5));
     let mut escapes = 0;
-    for (angle, shift, is_shared) in [(0.0, 1e5, false), (0.7, 1e5, false), (0.0, 1e5, true)] {
+    for (angle, shift, has_copy) in [(0.0, 1e5, false), (0.7, 1e5, false), (0.0, 1e5, true)] {
         let place = Transform::new(DVec3::ONE, DVec3::splat(angle), DVec3::splat(shift));
         let placed = cuboid.moved(|p| place.point(p));
-        let twin = placed.moved(|p| -p);
-        let meshes = if is_shared {
-            vec![&placed, &twin]
+        let copy = placed.moved(|p| -p);
+        let meshes = if has_copy {
+            vec![&placed, &copy]
         } else {
             vec![&placed]
         };
@@ -156,7 +158,7 @@ pub(super) fn closed_corner(kernel: Kernel) -> f64 {
         escapes += in_parts(|random| {
             let rays = (0..PART / 4).map(|i| {
                 let eye = place.point(0.2 * random.point());
-                // On one side, close to one or two others.
+                // On one face of the box, close to one or two others.
                 let mut target = 0.5 * random.point();
                 for axis in 0..1 + i % 2 {
                     target[axis] = (0.5_f64 - 1e-4).copysign(random.point().x);
@@ -165,28 +167,27 @@ pub(super) fn closed_corner(kernel: Kernel) -> f64 {
                 ray_in(&scene, eye, place.point(target) - eye)
             });
             let mut rays: Vec<Ray> = rays.collect();
-            let set_out = rays.len();
+            let ray_count = rays.len();
             for _bounce in 0..4 {
-                rays = leaving(&scene, &rays, random);
+                rays = random_rays_from_hits(&scene, &rays, random);
             }
-            set_out - first_hits(&scene, &rays).iter().flatten().count()
+            ray_count - first_hits(&scene, &rays).iter().flatten().count()
         });
     }
     escapes as f64
 }
 
-/// A wall 1e-6 m thick, 1e3 m from a scene's middle, where an ulp is 6e-5 m: both sides have the same
-/// coordinates. A lamp in front of it lights no point that is seen from behind, and all that are seen
-/// from the front.
+/// A wall 1e-6 m thick, 1e3 m from the scene's middle, where an ulp is 6e-5 m: both sides have the same
+/// coordinates. A lamp in front lights all points that are seen from the front, and none that are seen from behind.
 pub(super) fn thin_wall(kernel: Kernel) -> f64 {
     let right = DVec3::new(0.0, 4.0, 0.0);
     let up = DVec3::new(0.0, 0.0, 4.0);
     let side = |x: f64| Polyhedron::quad(DVec3::new(x, -2.0, -2.0), right, up);
     let (front, back) = (side(1000.3), side(1000.3 - 1e-6));
-    let twin = front.moved(|p| -p);
+    let copy = front.moved(|p| -p);
     let builder = SceneBuilder {
         materials: vec![Material::lambert(Vec3::ONE)],
-        meshes: [&front, &back, &twin, &twin]
+        meshes: [&front, &back, &copy, &copy]
             .map(|mesh| mesh.mesh(0))
             .to_vec(),
         lights: vec![lamp(DVec3::new(1001.0, 0.0, 0.0), 1.0)],

@@ -11,19 +11,19 @@ use crate::texture::Texture;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// A texture, and how to read it in double precision.
-pub(super) struct Picture {
+/// A texture whose lookup is computed in double precision.
+pub(super) struct ReferenceTexture {
     width: usize,
     height: usize,
     texels: Vec<[u8; 3]>,
 }
 
-impl Picture {
-    /// Texels of any colour.
-    pub(super) fn colorful(width: usize, height: usize) -> Picture {
+impl ReferenceTexture {
+    /// Texels of random colours.
+    pub(super) fn colorful(width: usize, height: usize) -> ReferenceTexture {
         let mut random = Random::new(9);
         let texels = (0..width * height).map(|_| [0; 3].map(|_| random.below(256) as u8));
-        Picture {
+        ReferenceTexture {
             width,
             height,
             texels: texels.collect(),
@@ -34,13 +34,13 @@ impl Picture {
         Texture::new(self.width, self.height, self.texels.clone()).expect("as many texels as that")
     }
 
-    /// The colour at `uv`, which counts pictures from the lower left corner, between the centres of four
-    /// texels, beyond its ends as if it was repeated.
+    /// The colour at `uv`, whose origin is the lower left corner: bilinear between the centres of texels, repeated
+    /// beyond the edges.
     pub(super) fn color(&self, uv: DVec2) -> DVec3 {
         let position = DVec2::new(uv.x.rem_euclid(1.0), (-uv.y).rem_euclid(1.0))
             * DVec2::new(self.width as f64, self.height as f64)
             - 0.5;
-        let (corner, share) = (position.floor(), position - position.floor());
+        let (corner, fraction) = (position.floor(), position - position.floor());
         let texel = |dx: i64, dy: i64| {
             let x = (corner.x as i64 + dx).rem_euclid(self.width as i64) as usize;
             let y = (corner.y as i64 + dy).rem_euclid(self.height as i64) as usize;
@@ -48,9 +48,9 @@ impl Picture {
                 self.texels[y * self.width + x].map(|code| srgb_to_linear(f32::from(code) / 255.0));
             Vec3::from_array(linear).as_dvec3()
         };
-        let upper = texel(0, 0).lerp(texel(1, 0), share.x);
-        let lower = texel(0, 1).lerp(texel(1, 1), share.x);
-        upper.lerp(lower, share.y)
+        let upper = texel(0, 0).lerp(texel(1, 0), fraction.x);
+        let lower = texel(0, 1).lerp(texel(1, 1), fraction.x);
+        upper.lerp(lower, fraction.y)
     }
 }
 
@@ -58,7 +58,7 @@ fn error(found: Vec3, exact: DVec3) -> f64 {
     found.as_dvec3().distance(exact)
 }
 
-/// Coordinates are what single precision makes of them; reading has no error but its own.
+/// Both lookups get the same coordinates, so that only the error of the lookup itself is measured.
 pub(super) fn coordinates(_: Kernel) -> f64 {
     let numbers = [
         0.0,
@@ -85,14 +85,14 @@ pub(super) fn coordinates(_: Kernel) -> f64 {
     ];
     let mut worst: f64 = 0.0;
     for (width, height) in [(1, 1), (2, 1), (1, 3), (5, 3), (16, 16)] {
-        let picture = Picture::colorful(width, height);
-        let texture = picture.texture();
+        let reference = ReferenceTexture::colorful(width, height);
+        let texture = reference.texture();
         for u in numbers {
             for v in numbers {
                 let uv = Vec2::new(u, v);
                 worst = worse(
                     worst,
-                    error(texture.sample(uv), picture.color(uv.as_dvec2())),
+                    error(texture.sample(uv), reference.color(uv.as_dvec2())),
                 );
             }
         }
@@ -110,12 +110,12 @@ fn textured() -> Material {
 /// A globe seen from outside and inside: rays to its poles, to its seam at the back, and to points up to
 /// 1e-2 and 1e-6 beside them.
 pub(super) fn poles_and_seam(kernel: Kernel) -> f64 {
-    let picture = Picture::colorful(8, 6);
+    let reference = ReferenceTexture::colorful(8, 6);
     let center = DVec3::new(3.0, -2.0, 5.0);
     let globe = Sphere::new(center, 2.0);
     let builder = SceneBuilder {
         materials: vec![textured()],
-        textures: vec![picture.texture()],
+        textures: vec![reference.texture()],
         spheres: vec![(globe, 0)],
         kernel,
         ..SceneBuilder::default()
@@ -140,9 +140,9 @@ pub(super) fn poles_and_seam(kernel: Kernel) -> f64 {
             0.5 + normal.y.asin() / PI,
         );
         let found = scene.surface::<Only<1>>(&ray, &hit).reflectance.diffuse;
-        // At the pole itself any direction is right.
+        // At the pole itself u is undefined, and any colour of the pole's row is right.
         if DVec2::new(normal.x, normal.z).length() > 1e-9 {
-            worst = worse(worst, error(found, picture.color(uv)));
+            worst = worse(worst, error(found, reference.color(uv)));
         } else if !found.is_finite() {
             return f64::NAN;
         }
@@ -150,10 +150,10 @@ pub(super) fn poles_and_seam(kernel: Kernel) -> f64 {
     worst
 }
 
-/// All vertices of a triangle have the same coordinate, or all of them lie on one line of the picture: the
-/// colour is that of the mixed coordinate.
+/// Triangles whose vertices have equal texture coordinates, or collinear ones: the colour is that at the interpolated
+/// coordinate.
 pub(super) fn equal_vertices(kernel: Kernel) -> f64 {
-    let picture = Picture::colorful(8, 8);
+    let reference = ReferenceTexture::colorful(8, 8);
     let mut random = Random::new(11);
     let mut worst: f64 = 0.0;
     for uvs in [
@@ -179,7 +179,7 @@ pub(super) fn equal_vertices(kernel: Kernel) -> f64 {
         };
         let builder = SceneBuilder {
             materials: vec![textured()],
-            textures: vec![picture.texture()],
+            textures: vec![reference.texture()],
             meshes: vec![mesh],
             kernel,
             ..SceneBuilder::default()
@@ -196,7 +196,7 @@ pub(super) fn equal_vertices(kernel: Kernel) -> f64 {
             let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
             let exact = a + point.x * (b - a) + point.y * (c - a);
             let found = scene.surface::<Only<1>>(&ray, &hit).reflectance.diffuse;
-            worst = worse(worst, error(found, picture.color(exact)));
+            worst = worse(worst, error(found, reference.color(exact)));
         }
     }
     worst

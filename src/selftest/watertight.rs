@@ -12,14 +12,14 @@ use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Rays through a vertex that 2 to 64 triangles share, through the edges between them, and through the
-/// poles of a globe. At least one triangle is there, as far away as the vertex is, and no matter which
-/// of them comes first.
+/// Rays through a vertex that 2 to 64 triangles share, through the edges between them, and through the poles of a
+/// globe. Each hits a triangle at the distance of the vertex or edge, and at the same distance with the triangles in
+/// reverse order.
 pub(super) fn vertices_and_edges(kernel: Kernel) -> f64 {
     let mut random = Random::new(1);
     let mut wrong = 0;
     let mut traversal = Traversal::default();
-    let mut count = |bvh: &Bvh, reversed: &Bvh, ray: &Ray, expected: f64| {
+    let mut check = |bvh: &Bvh, reversed: &Bvh, ray: &Ray, expected: f64| {
         let [one, other] = [bvh, reversed].map(|bvh| bvh.closest(ray, &mut traversal));
         let is_right = match (one, other) {
             (Some(one), Some(other)) => {
@@ -40,26 +40,28 @@ pub(super) fn vertices_and_edges(kernel: Kernel) -> f64 {
 
     let apex = Vec3::new(3.0, 5.0, -7.0);
     for valence in 2..=64_usize {
-        let around = valence.max(3);
-        let rim = |i: usize| {
-            let (sin, cos) = (TAU * (i % around) as f64 / around as f64).sin_cos();
+        let rim_count = valence.max(3);
+        let rim_vertex = |i: usize| {
+            let (sin, cos) = (TAU * (i % rim_count) as f64 / rim_count as f64).sin_cos();
             apex + DVec3::new(cos, sin, -0.25).as_vec3()
         };
-        let fan: Vec<_> = (0..valence).map(|i| [apex, rim(i), rim(i + 1)]).collect();
+        let fan: Vec<_> = (0..valence)
+            .map(|i| [apex, rim_vertex(i), rim_vertex(i + 1)])
+            .collect();
         let (bvh, reversed) = both_orders(&fan);
-        // These and their slopes are exact in single precision: they meet the vertex itself, be it on
-        // the boundary.
+        // These rays are exact in single precision: they pass through the vertex itself, even where it is
+        // on the boundary.
         for i in 0..49 {
             let (x, y) = ((i % 7) as f32 - 3.0, (i / 7) as f32 - 3.0);
             let direction = Vec3::new(x / 8.0, y / 8.0, -1.0);
             let ray = Ray::new(apex - 4.0 * direction, direction);
-            count(&bvh, &reversed, &ray, 4.0);
+            check(&bvh, &reversed, &ray, 4.0);
         }
-        if valence == around {
+        if valence == rim_count {
             for i in 0..100 {
                 let origin = apex + random.vector(1.0) + 3.0 * Vec3::Z;
-                let target = apex.lerp(rim(i), [0.0, random.unit()][i % 2]);
-                count(&bvh, &reversed, &Ray::new(origin, target - origin), 1.0);
+                let target = apex.lerp(rim_vertex(i), [0.0, random.unit()][i % 2]);
+                check(&bvh, &reversed, &Ray::new(origin, target - origin), 1.0);
             }
         }
     }
@@ -69,13 +71,13 @@ pub(super) fn vertices_and_edges(kernel: Kernel) -> f64 {
     for i in 0..1000 {
         let origin = random.vector(0.5);
         let pole = [Vec3::Y, Vec3::NEG_Y][i % 2];
-        count(&bvh, &reversed, &Ray::new(origin, pole - origin), 1.0);
+        check(&bvh, &reversed, &Ray::new(origin, pole - origin), 1.0);
     }
     wrong as f64
 }
 
-/// Rays from inside an icosphere to its vertices and to points of its edges (Woop, Benthin and Wald
-/// 2013): none gets out. The vertices are what single precision makes of them, at `scale` and shifted.
+/// Rays from inside an icosphere to its vertices and to points of its edges: none escapes. The vertices are scaled,
+/// shifted and rounded to single precision.
 pub(super) fn closed_mesh(kernel: Kernel) -> f64 {
     let mesh = Polyhedron::icosphere(2);
     let mut escapes = 0;
@@ -102,21 +104,22 @@ pub(super) fn closed_mesh(kernel: Kernel) -> f64 {
     escapes as f64
 }
 
-/// The same with scenes, which keep coordinates relative to where they are, so that a mesh of 1e-6 m
-/// may be 1e6 m away; and of 1 m if it is shared with another one on the other side of the origin.
+/// As [`closed_mesh`], with scenes. They keep coordinates relative to their own middle, so a mesh of 1e-6 m may be
+/// 1e6 m away. With a copy on the other side of the world's origin that does not help, and only meshes of at least
+/// 1e-6 of that distance are tested.
 pub(super) fn closed_mesh_anywhere(kernel: Kernel) -> f64 {
     let mesh = Polyhedron::icosphere(2);
     let mut escapes = 0;
     for scale in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
         for shift in [0.0, 1e4, 1e6] {
-            for is_shared in [false, true] {
-                if is_shared && scale < 1e-6 * shift {
+            for has_copy in [false, true] {
+                if has_copy && scale < 1e-6 * shift {
                     continue;
                 }
                 let placed = mesh.moved(|p| p * scale + DVec3::splat(shift));
-                let other = placed.moved(|p| -p);
-                let meshes = if is_shared {
-                    vec![&placed, &other]
+                let copy = placed.moved(|p| -p);
+                let meshes = if has_copy {
+                    vec![&placed, &copy]
                 } else {
                     vec![&placed]
                 };
@@ -136,7 +139,7 @@ pub(super) fn closed_mesh_anywhere(kernel: Kernel) -> f64 {
     escapes as f64
 }
 
-/// 20,000 rays from around the middle to vertices and edges of triangles; these are at parameter 1.
+/// 20,000 rays from near the middle of a mesh to vertices and edges of its triangles, which are at t = 1.
 fn rays_to_edges(
     triangles: &[[Vec3; 3]],
     place: impl Fn(DVec3) -> Vec3,
@@ -151,8 +154,8 @@ fn rays_to_edges(
     })
 }
 
-/// A sphere's mesh scaled by very different factors, mirrored or not: still closed. The exact normal of
-/// a vertex v of the sphere is v / scale; that of a triangle follows from its exact vertices.
+/// An icosphere scaled by very different factors, mirrored or not, stays closed. The exact normal of a vertex v is
+/// v / scale; that of a triangle follows from its exact vertices.
 pub(super) fn scaled_unevenly(kernel: Kernel) -> f64 {
     let mesh = Polyhedron::icosphere(2);
     let mut worst: f64 = 0.0;

@@ -76,7 +76,7 @@ fn uniform(time: f64) -> DVec3 {
         - db * (s * s * t)
 }
 
-/// The largest jump of the angular velocity at a key, as a share of its mean.
+/// The largest jump of the angular velocity at a key, as a fraction of its mean.
 fn turn_jump(timing: &PathTiming) -> f64 {
     const FPS: f64 = 240_000.0;
     let path = CameraPath::new(FPS, &keys(), timing).unwrap();

@@ -1,10 +1,11 @@
-//! The program as its users meet it.
+//! The program's exit status, messages and files: `render`, `check`, `quote` and `selftest`.
 
 use crate::support::*;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+/// The shipped scenes and the paths through them.
 const PAIRS: [(&str, &str); 6] = [
     ("test", "test"),
     ("test1", "test"),
@@ -14,7 +15,7 @@ const PAIRS: [(&str, &str); 6] = [
     ("gallery", "gallery"),
 ];
 
-/// Renders into a folder, small; returns the exit status and what was said on stderr.
+/// Renders small frames into a folder; returns the exit status and stderr.
 fn render_small(scene: &str, path: &str, out: &Path, more: &[&str]) -> (Option<i32>, String) {
     let (scene, path) = (format!("scenes/{scene}.ron"), format!("paths/{path}.ron"));
     let mut arguments = vec!["render", &scene, &path, "--out", out.to_str().unwrap()];
@@ -24,7 +25,7 @@ fn render_small(scene: &str, path: &str, out: &Path, more: &[&str]) -> (Option<i
     (output.status.code(), stderr(&output))
 }
 
-/// A reader that has had enough, as `head`, is no fault.
+/// A reader that closes the pipe early, as `head` does, is no error.
 #[test]
 fn output_that_nobody_reads() {
     let mut child = Command::new(env!("CARGO_BIN_EXE_flythrough"))
@@ -40,7 +41,7 @@ fn output_that_nobody_reads() {
     assert_eq!(stderr(&output), "");
 }
 
-/// The cases are tests of the library one by one, and scripts/test.sh runs the command of the release build.
+/// Each case is a test of the library, and scripts/test.sh runs the command of the release build.
 #[test]
 #[ignore = "thorough"]
 fn selftest_shows_every_case() {
@@ -58,7 +59,7 @@ fn selftest_shows_every_case() {
 }
 
 #[test]
-fn every_shipped_scene_and_path_is_named_here_and_has_nothing_odd_but_fast_turns() {
+fn every_shipped_scene_and_path_is_in_pairs_and_has_only_harmless_warnings() {
     let names = |folder: &str| -> Vec<String> {
         let entries = fs::read_dir(root().join(folder)).unwrap();
         let files = entries.map(|e| e.unwrap().path());
@@ -105,29 +106,16 @@ fn every_shipped_scene_renders_in_every_mode() {
             let file = out.path().join("frame_00000.png");
             let picture = image::open(file).unwrap().into_rgb8();
             assert_eq!(picture.dimensions(), (24, 14));
-            let light: u64 = picture.as_raw().iter().map(|&code| u64::from(code)).sum();
-            assert!(light > 24 * 14 * 3 * 20, "{scene} {path} {mode} is dark");
+            let sum: u64 = picture.as_raw().iter().map(|&code| u64::from(code)).sum();
+            assert!(sum > 24 * 14 * 3 * 20, "{scene} {path} {mode} is dark");
         }
     }
 }
 
+/// As many threads as the scheduler grants, unless the user gives a number.
 #[test]
-fn one_thread_and_three_write_the_same_files() {
-    let (one, three) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let more = ["--frames", "0-54:18", "--mode", "montecarlo-supersampling"];
-    for (out, threads) in [(&one, "1"), (&three, "3")] {
-        let threads = ["--threads", threads];
-        let result = render_small("test2", "zoom", out.path(), &[&more[..], &threads].concat());
-        assert_eq!(result.0, Some(0));
-    }
-    assert_eq!(frames(one.path()).len(), 4);
-    assert_eq!(frames(one.path()), frames(three.path()));
-}
-
-/// As many as the scheduler gives, unless the user says so.
-#[test]
-fn threads_are_those_that_slurm_gives() {
-    let threads = |given: &str, more: &[&str]| {
+fn threads_are_those_that_slurm_grants() {
+    let threads = |granted: &str, more: &[&str]| {
         let output = Command::new(env!("CARGO_BIN_EXE_flythrough"))
             .current_dir(root())
             .args([
@@ -138,7 +126,7 @@ fn threads_are_those_that_slurm_gives() {
                 "8x8",
             ])
             .args(more)
-            .env("SLURM_CPUS_PER_TASK", given)
+            .env("SLURM_CPUS_PER_TASK", granted)
             .output()
             .unwrap();
         (
@@ -146,15 +134,15 @@ fn threads_are_those_that_slurm_gives() {
             String::from_utf8(output.stdout).unwrap(),
         )
     };
-    for (given, more, expected) in [
+    for (granted, more, expected) in [
         ("1", &[][..], "on 1 threads"),
         ("3", &[], "on 3 threads"),
         ("3", &["-t", "2"], "on 2 threads"),
     ] {
-        let (status, said) = threads(given, more);
+        let (status, printed) = threads(granted, more);
         assert!(
-            status == Some(0) && said.contains(expected),
-            "{given} {more:?}: {said}"
+            status == Some(0) && printed.contains(expected),
+            "{granted} {more:?}: {printed}"
         );
     }
     assert_eq!(threads("many", &[]).0, Some(2));
@@ -185,34 +173,10 @@ fn the_path_wins_over_the_scene_and_a_flag_over_both() {
     assert_eq!(size(), (30, 10));
 }
 
+/// Every frame records its error. `errors.csv` and `errors.svg` have those of all frames in the folder, whichever run
+/// they are from. Frames of modes without Monte Carlo noise have none.
 #[test]
-fn formats_hold_the_same_light() {
-    let out = tempfile::tempdir().unwrap();
-    let render = |format: &str, name: &str| {
-        let folder = out.path().join(format);
-        let more = ["--format", format, "--frames", "0", "--exposure", "0"];
-        assert_eq!(render_small("test", "test", &folder, &more).0, Some(0));
-        image::open(folder.join(name)).unwrap()
-    };
-    let eight = render("png", "frame_00000.png").into_rgb8();
-    let sixteen = render("png16", "frame_00000.png").into_rgb16();
-    let linear = render("exr", "frame_00000.exr").into_rgb32f();
-    for ((a, b), c) in eight
-        .as_raw()
-        .iter()
-        .zip(sixteen.as_raw())
-        .zip(linear.as_raw())
-    {
-        assert!((f64::from(*b) / 257.0 - f64::from(*a)).abs() <= 0.51);
-        let encoded = flythrough::math::color::linear_to_srgb(*c);
-        assert_eq!((encoded * 255.0).round() as u8, *a);
-    }
-}
-
-/// Every frame carries its error; the folder lists and draws those of all frames that are there, whichever
-/// run they are from, and frames of other modes have none.
-#[test]
-fn sequences_say_how_far_off_they_are() {
+fn sequences_list_the_errors_of_their_frames() {
     for (format, extension) in [("png", "png"), ("exr", "exr")] {
         let out = tempfile::tempdir().unwrap();
         let more = ["--mode", "montecarlo", "--format", format];
@@ -265,7 +229,7 @@ fn error_maps_are_kept_beside_the_frames() {
         .into_rgb32f();
     assert_eq!(map.dimensions(), (24, 14));
     assert!(map.as_raw().iter().all(|error| *error >= 0.0));
-    // What is missing of a frame is made, even if the frame is there.
+    // A missing error map is rendered again, even if the frame exists.
     fs::remove_file(out.path().join("error_00001.exr")).unwrap();
     assert_eq!(render_small("test3", "test3", out.path(), &more).0, Some(0));
     assert!(out.path().join("error_00001.exr").is_file());
@@ -273,7 +237,7 @@ fn error_maps_are_kept_beside_the_frames() {
     assert!(noisy > 24 * 14, "{noisy}");
 }
 
-/// All frames end below the target, whatever each of them needs for it.
+/// All frames end below the target, however many samples each of them takes.
 #[test]
 fn a_target_error_is_reached_in_every_frame() {
     let out = tempfile::tempdir().unwrap();
@@ -292,10 +256,10 @@ fn a_target_error_is_reached_in_every_frame() {
     ];
     let output = flythrough(&[&start[..], &more].concat());
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let said = String::from_utf8(output.stdout).unwrap();
+    let printed = String::from_utf8(output.stdout).unwrap();
     assert!(
-        said.contains("error (relMSE)") && said.contains("on average"),
-        "{said}"
+        printed.contains("error (relMSE)") && printed.contains("on average"),
+        "{printed}"
     );
     let table = fs::read_to_string(out.path().join("errors.csv")).unwrap();
     let errors = table.lines().skip(1).map(|row| {
@@ -307,37 +271,8 @@ fn a_target_error_is_reached_in_every_frame() {
     assert!(errors.iter().all(|high| *high <= 0.02), "{errors:?}");
 }
 
-/// The light of a path is the same whichever of its frames are rendered, and none where nothing asks for it.
 #[test]
-fn light_of_the_path_is_the_same_for_parts_of_it() {
-    let out = tempfile::tempdir().unwrap();
-    let frames = |folder: &str, frames: &str| {
-        let folder = out.path().join(folder);
-        let more = ["--mode", "montecarlo", "--gi", "cached", "--frames", frames];
-        let (status, said) = render_small("test2", "zoom", &folder, &more);
-        assert_eq!(status, Some(0), "{said}");
-        fs::read(folder.join("frame_00040.png")).unwrap()
-    };
-    assert!(frames("some", "0,40") == frames("one", "40"));
-    for (more, wrong) in [
-        (
-            &["--mode", "raytracing", "--gi", "cached"][..],
-            "choose a montecarlo mode",
-        ),
-        (&["--gi", "often"], "neither path-traced nor cached"),
-        (
-            &["--mode", "montecarlo", "--gi", "cached", "--aov", "error"],
-            "take more camera samples",
-        ),
-    ] {
-        let (status, said) = render_small("test2", "zoom", &out.path().join("none"), more);
-        assert_eq!(status, Some(2));
-        assert!(said.contains(wrong), "{said}");
-    }
-}
-
-#[test]
-fn quiet_says_nothing() {
+fn quiet_prints_nothing() {
     let out = tempfile::tempdir().unwrap();
     let (scene, path) = ("scenes/test.ron", "paths/test.ron");
     let out = out.path().to_str().unwrap();
@@ -365,10 +300,10 @@ fn frames_that_cannot_be_written_are_named_and_the_others_go_on() {
     assert!(out.path().join("frame_00002.png").is_file());
 }
 
-/// Every kind of wrong command: exit status 2, and what the message must say.
+/// Wrong commands end with status 2 and a message that names the fault.
 #[test]
 fn wrong_commands_are_refused() {
-    let cases: [(&[&str], &str); 12] = [
+    let cases: [(&[&str], &str); 15] = [
         (&["--frames", "0-9999"], "the path has 0-48"),
         (&["--frames", "5-1"], "0-99:2"),
         (&["--size", "0x9"], "--size: 0 is not between 1 and"),
@@ -383,6 +318,15 @@ fn wrong_commands_are_refused() {
         (
             &["--mode", "supersampling", "--target-error", "0.1"],
             "supersampling has no Monte Carlo noise",
+        ),
+        (
+            &["--mode", "raytracing", "--gi", "cached"],
+            "choose a montecarlo mode",
+        ),
+        (&["--gi", "often"], "neither path-traced nor cached"),
+        (
+            &["--mode", "montecarlo", "--gi", "cached", "--aov", "error"],
+            "take more camera samples",
         ),
     ];
     for (more, expected) in cases {

@@ -1,4 +1,4 @@
-//! A job is kept beside its frames as data: it survives a move of the project, and other builds are told apart.
+//! The record of a job beside its frames: projects can be moved, and frames of other builds are recognised.
 
 use crate::support::project::{ALL, Project};
 use crate::support::{flythrough, stderr};
@@ -15,8 +15,8 @@ fn run(command: &str, folder: &Path, more: &[&str]) -> (Option<i32>, String) {
         stdout,
         stderr,
     } = flythrough(&[&[command, folder.to_str().unwrap()], more].concat());
-    let said = [stdout, stderr].concat();
-    (status.code(), String::from_utf8(said).unwrap())
+    let printed = [stdout, stderr].concat();
+    (status.code(), String::from_utf8(printed).unwrap())
 }
 
 #[test]
@@ -32,18 +32,18 @@ fn a_project_can_be_moved() {
         fs::rename(root.join(name), moved.join(name)).unwrap();
     }
     let out = moved.join("out");
-    let (status, said) = run("audit", &out, &["--sample", "2"]);
-    assert_eq!(status, Some(0), "{said}");
+    let (status, printed) = run("audit", &out, &["--sample", "2"]);
+    assert_eq!(status, Some(0), "{printed}");
     assert_eq!(run("verify", &out, &[]).0, Some(0));
     let scene = fs::read_to_string(moved.join("s.ron")).unwrap();
     fs::write(moved.join("s.ron"), scene.replace("0.5, m", "0.4, m")).unwrap();
-    let (status, said) = run("verify", &out, &[]);
-    assert_eq!(status, Some(3), "{said}");
-    assert_eq!(said.matches(": stale").count(), ALL.len(), "{said}");
+    let (status, printed) = run("verify", &out, &[]);
+    assert_eq!(status, Some(3), "{printed}");
+    assert_eq!(printed.matches(": stale").count(), ALL.len(), "{printed}");
     assert_eq!(run("audit", &out, &[]).0, Some(2));
 }
 
-/// Only the frames are moved: the files that they were made from are named anew.
+/// Only the frames are moved; flags name the files that they were made from.
 #[test]
 fn inputs_that_are_elsewhere_are_named() {
     let project = Project::new();
@@ -52,8 +52,8 @@ fn inputs_that_are_elsewhere_are_named() {
     let out = root.join("far/away/frames");
     fs::create_dir_all(root.join("far/away")).unwrap();
     fs::rename(project.out(), &out).unwrap();
-    let (_, said) = run("verify", &out, &[]);
-    assert!(said.contains("changes since are not seen"), "{said}");
+    let (_, printed) = run("verify", &out, &[]);
+    assert!(printed.contains("changes since are not seen"), "{printed}");
     assert_eq!(run("audit", &out, &[]).0, Some(2));
     let [scene, path] = ["s.ron", "p.ron"].map(|name| root.join(name));
     let named = [
@@ -62,11 +62,11 @@ fn inputs_that_are_elsewhere_are_named() {
         "--path",
         path.to_str().unwrap(),
     ];
-    let (status, said) = run("verify", &out, &named);
-    assert_eq!(status, Some(0), "{said}");
-    assert!(!said.contains("changes since are not seen"), "{said}");
-    let (status, said) = run("audit", &out, &named);
-    assert_eq!(status, Some(0), "{said}");
+    let (status, printed) = run("verify", &out, &named);
+    assert_eq!(status, Some(0), "{printed}");
+    assert!(!printed.contains("changes since are not seen"), "{printed}");
+    let (status, printed) = run("audit", &out, &named);
+    assert_eq!(status, Some(0), "{printed}");
     // A render from there records where they are now.
     let arguments = [
         "render",
@@ -79,12 +79,12 @@ fn inputs_that_are_elsewhere_are_named() {
     ];
     let rendered = flythrough(&arguments);
     assert_eq!(rendered.status.code(), Some(0), "{}", stderr(&rendered));
-    project.picture(7);
+    project.write_texture(7);
     assert_eq!(run("verify", &out, &named).0, Some(3));
 }
 
-/// The frames of a folder as another build would have rendered them: black.
-fn rendered_by(build: &str, out: &Path) {
+/// Replaces frames of a folder by black ones with a correct record, of a build.
+pub(crate) fn replace_frames(out: &Path, frames: &[u32], build: &str) {
     let folder = FrameFolder::open(out).unwrap();
     let sequence = SequenceRecord {
         build: build.to_owned(),
@@ -93,7 +93,7 @@ fn rendered_by(build: &str, out: &Path) {
     let (width, height) = (sequence.width, sequence.height);
     let folder = FrameFolder::new(out, sequence, true);
     folder.prepare().unwrap();
-    for frame in 0..folder.sequence().frames {
+    for &frame in frames {
         let Claim::Granted(slot) = folder.claim(frame, false).unwrap() else {
             panic!("nobody else is there");
         };
@@ -110,43 +110,48 @@ fn rendered_by(build: &str, out: &Path) {
 }
 
 #[test]
-fn frames_of_another_build_are_not_taken_unasked() {
+fn frames_of_another_build_are_used_only_if_accepted() {
     let project = Project::new();
     assert_eq!(project.render(&[]), ALL);
     let out = project.out();
-    rendered_by("0123456789abcdef", &out);
-    let (status, said) = project.verify();
+    replace_frames(&out, &ALL, "0123456789abcdef");
+    let (status, printed) = project.verify();
     assert_eq!(status, Some(3));
-    let lines = said.matches("rendered by build 0123456789abcdef").count();
-    assert_eq!(lines, ALL.len(), "{said}");
+    let lines = printed
+        .matches("rendered by build 0123456789abcdef")
+        .count();
+    assert_eq!(lines, ALL.len(), "{printed}");
     for command in ["missing", "sheet", "audit"] {
-        let (status, said) = run(command, &out, &[]);
-        assert_eq!(status, Some(2), "{command}: {said}");
-        assert!(said.contains("--accept-build 0123456789abcdef"), "{said}");
+        let (status, printed) = run(command, &out, &[]);
+        assert_eq!(status, Some(2), "{command}: {printed}");
+        assert!(
+            printed.contains("--accept-build 0123456789abcdef"),
+            "{printed}"
+        );
     }
-    // Whoever accepts them keeps them, and the folder remembers it.
+    // Accepted frames are kept, and the folder records that they are.
     let accept = ["--accept-build", "0123456789abcdef"];
     assert_eq!(run("verify", &out, &accept).0, Some(0));
     let none: [u32; 0] = [];
     assert_eq!(project.render(&accept), none);
     assert_eq!(project.verify().0, Some(0));
     assert_eq!(project.missing(&[]), "");
-    // They are not what this build renders, whatever is accepted.
+    // `audit` finds that this build renders other frames.
     assert_eq!(run("audit", &out, &accept).0, Some(3));
-    // Whoever does not, renders them again.
+    // Unless they are accepted they are rendered again.
     assert_eq!(project.render(&[]), ALL);
     assert_eq!(run("audit", &out, &["--sample", "3"]).0, Some(0));
 }
 
 #[test]
-fn builds_say_what_they_are() {
+fn the_build_is_in_the_version_and_in_every_frame() {
     let output = flythrough(&["--version"]);
-    let said = String::from_utf8(output.stdout).unwrap();
+    let printed = String::from_utf8(output.stdout).unwrap();
     let build = flythrough::job::BUILD;
     assert_eq!(build.len(), 16);
     assert!(
-        said.trim_end().ends_with(&format!("(build {build})")),
-        "{said}"
+        printed.trim_end().ends_with(&format!("(build {build})")),
+        "{printed}"
     );
     let project = Project::new();
     project.render(&["--frames", "0"]);
@@ -158,9 +163,9 @@ fn builds_say_what_they_are() {
 fn status_is_for_scripts_and_people() {
     let project = Project::new();
     project.render(&["--frames", "0-2,7"]);
-    let (status, said) = run("status", &project.out(), &["--json"]);
+    let (status, printed) = run("status", &project.out(), &["--json"]);
     assert_eq!(status, Some(0));
-    let json: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&printed).unwrap();
     for (key, value) in [
         ("frames", serde_json::json!(9)),
         ("fps", serde_json::json!(4.0)),
@@ -178,35 +183,49 @@ fn status_is_for_scripts_and_people() {
         run("status", &project.out(), &["--get", "missing"]).1,
         "3-6,8\n"
     );
-    let (status, said) = run("status", &project.out(), &["--get", "colour"]);
+    let (status, printed) = run("status", &project.out(), &["--get", "colour"]);
     assert_eq!(status, Some(2));
-    assert!(said.contains("there are: build, current, format"), "{said}");
-    let (_, said) = run("status", &project.out(), &[]);
     assert!(
-        said.contains("9 frames at 4 per second, 16x12, png"),
-        "{said}"
+        printed.contains("there are: build, current, format"),
+        "{printed}"
     );
-    assert!(said.contains("missing   5 (3-6,8)"), "{said}");
+    let (_, printed) = run("status", &project.out(), &[]);
+    assert!(
+        printed.contains("9 frames at 4 per second, 16x12, png"),
+        "{printed}"
+    );
+    assert!(printed.contains("missing   5 (3-6,8)"), "{printed}");
     assert_eq!(run("status", project.folder.path(), &[]).0, Some(2));
 }
 
-/// Threads, order and progress decide no pixel, and no two settings are taken for each other.
+/// Seed 0 is the default and threads change no pixel; any two other settings have different hashes.
 #[test]
-fn jobs_that_differ_in_nothing_that_counts_are_the_same() {
+fn input_hashes_differ_exactly_if_pixels_may() {
     let project = Project::new();
     project.render(&["--prepare", "sequence", "--seed", "0", "--samples", "2"]);
     let hashes = || {
         let folder = FrameFolder::open(&project.out()).unwrap();
         folder.sequence().input_hashes.clone()
     };
-    let once = hashes();
-    project.render(&["--prepare", "sequence", "--samples", "2", "-t", "1"]);
-    assert_eq!(hashes(), once);
-    let mut all = once;
+    let first = hashes();
+    for same in [
+        &["--threads", "1"][..],
+        &["--order", "coarse-to-fine"],
+        &["--quiet"],
+        &["--progress", "openjd"],
+        &["--mode", "raytracing"],
+        &["--bounces", "4"],
+    ] {
+        project.render(&[&["--prepare", "sequence", "--samples", "2"], same].concat());
+        assert_eq!(hashes(), first, "{same:?}");
+    }
+    let mut all = first;
     for more in [
         &["--samples", "3"][..],
         &["--seed", "1"],
         &["--samples", "2", "--lock-seed"],
+        &["--samples", "2", "--bounces", "3"],
+        &["--samples", "2", "--format", "png16"],
         &["--samples", "2", "--exposure", "0.5"],
         &["--samples", "2", "--format", "exr"],
         &["--samples", "2", "--size", "12x16"],

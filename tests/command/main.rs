@@ -1,4 +1,4 @@
-//! The program and its subcommands as their users meet them.
+//! The program and its subcommands, run as a user runs them.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 #[path = "../support/mod.rs"]

@@ -1,70 +1,42 @@
-//! `flythrough path`, and the table of cameras that `render` leaves.
+//! `flythrough path import` and `export`, and the table of cameras that `render` writes.
 
 use crate::support::project::Project;
 use crate::support::{flythrough, root, stderr};
-use glam::{DVec3, DVec4};
-use serde::Deserialize;
 use std::path::Path;
 
 fn run(arguments: &[&str]) -> (Option<i32>, String, String) {
     let output = flythrough(arguments);
-    let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    (output.status.code(), said, stderr(&output))
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    (output.status.code(), printed, stderr(&output))
 }
 
 fn text(file: &Path) -> String {
     std::fs::read_to_string(file).unwrap()
 }
 
-/// A path goes out in every format, comes back, and its frames are the same.
+/// What the files hold is compared in tests/input/camera_files.rs.
 #[test]
-fn paths_go_out_and_come_back() {
+fn exported_paths_can_be_imported() {
     let folder = tempfile::tempdir().unwrap();
     let name = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    let table = |path: &str, out: &str| {
-        export(path, &name(out));
-        let text = text(&folder.path().join(out));
-        let lines = text.lines().map(|line| serde_json::from_str(line).unwrap());
-        lines.collect::<Vec<Line>>()
-    };
-    let expected = table("paths/zoom.ron", "zoom.jsonl");
-    assert_eq!(expected.len(), 55);
-    for (format, fps, tolerance) in [
-        ("zoom.json", None, 1e-12),
-        ("zoom.gltf", Some("24"), 1e-6),
-        ("zoom.GLB", Some("24"), 1e-6),
+    for (format, more) in [
+        ("zoom.json", &[][..]),
+        ("zoom.gltf", &["--fps", "24"]),
+        ("zoom.GLB", &["--fps", "24"]),
     ] {
         export("paths/zoom.ron", &name(format));
         let (from, path) = (name(format), name("back.ron"));
-        let fps = fps.map(|fps| vec!["--fps", fps]).unwrap_or_default();
-        let import = [&["path", "import", &from, "--force", "-o", &path], &fps[..]].concat();
-        let (status, said, error) = run(&import);
+        let import = [&["path", "import", &from, "--force", "-o", &path], more].concat();
+        let (status, printed, error) = run(&import);
         assert_eq!(status, Some(0), "{error}");
         assert!(
-            said.contains("55 frames at 24 per second, 2.25 s"),
-            "{said}"
+            printed.contains("55 frames at 24 per second, 2.25 s"),
+            "{printed}"
         );
-        let back = table(&path, "back.jsonl");
-        assert_eq!(back.len(), 55);
-        for (a, b) in expected.iter().zip(&back) {
-            assert_eq!(a.frame, b.frame);
-            assert!((a.time - b.time).abs() < tolerance);
-            assert!(a.position.abs_diff_eq(b.position, 4.0 * tolerance));
-            // Either sign is the same rotation.
-            let agrees = a.quaternion.dot(b.quaternion).abs();
-            assert!((agrees - 1.0).abs() < tolerance, "{format}: {a:?} {b:?}");
-            assert!((a.fov - b.fov).abs() < 60.0 * tolerance);
-        }
+        export(&path, &name("back.jsonl"));
+        let table = text(&folder.path().join("back.jsonl"));
+        assert_eq!(table.lines().count(), 55);
     }
-}
-
-#[derive(Debug, Deserialize)]
-struct Line {
-    frame: u32,
-    time: f64,
-    position: DVec3,
-    quaternion: DVec4,
-    fov: f64,
 }
 
 fn export(path: &str, out: &str) {
@@ -73,7 +45,7 @@ fn export(path: &str, out: &str) {
 }
 
 #[test]
-fn files_are_not_lost_to_an_import_or_export() {
+fn import_and_export_do_not_overwrite_files() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("path.ron");
     std::fs::write(&file, "by hand").unwrap();
@@ -98,7 +70,7 @@ fn files_are_not_lost_to_an_import_or_export() {
 }
 
 #[test]
-fn what_cannot_be_exported_or_imported_says_why() {
+fn exports_and_imports_that_fail_say_why() {
     for (arguments, expected) in [
         (
             &["export", "paths/zoom.ron", "-o", "zoom.usd"][..],
@@ -142,9 +114,9 @@ fn what_cannot_be_exported_or_imported_says_why() {
     assert!(!root().join("x.ron").exists());
 }
 
-/// The table is of what was rendered, and made again if it is lost.
+/// The table is of the rendered path, and is written again if it is lost.
 #[test]
-fn render_leaves_a_table_of_cameras() {
+fn render_writes_a_table_of_cameras() {
     let project = Project::new();
     project.render(&[]);
     let table = project.out().join("cameras.jsonl");

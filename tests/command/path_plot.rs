@@ -1,4 +1,4 @@
-//! Pictures of camera paths, as `flythrough path plot` makes them.
+//! Plots of camera paths, as `flythrough path plot` draws them.
 
 use crate::support::{flythrough, root, scene, stderr};
 use base64::Engine;
@@ -11,7 +11,7 @@ use resvg::usvg;
 const BLUE: &str = "#0072B2";
 const WIDE: f64 = 16.0 / 9.0;
 
-/// Units of the sheet in a pixel.
+/// Units of the sheet per pixel of the embedded pictures.
 const UNITS: f64 = 4.0;
 
 fn empty() -> Scene {
@@ -37,7 +37,7 @@ fn drawn(scene: &Scene, path: &CameraPath) -> String {
         (tree.size().width(), tree.size().height()),
         (1200.0, 1000.0)
     );
-    // Pictures are letters in any order.
+    // The base64 text of pictures may spell anything.
     let is_drawn = |line: &&str| !line.starts_with("<image");
     let drawn: String = svg.lines().filter(is_drawn).collect();
     assert!(!drawn.contains("NaN") && !drawn.contains("inf"));
@@ -53,7 +53,7 @@ fn number(element: &str, name: &str) -> f64 {
     attribute(element, name).parse().unwrap()
 }
 
-/// The vertices of the camera's path in the plan and in the elevation: the blue lines before those of charts.
+/// The vertices of the camera's path in the plan and in the elevation: the first blue lines after that of the legend.
 fn path_lines(svg: &str) -> [Vec<DVec2>; 2] {
     let lines = svg
         .lines()
@@ -67,46 +67,49 @@ fn path_lines(svg: &str) -> [Vec<DVec2>; 2] {
             })
             .collect()
     };
-    // The first is in the legend.
     let mut lines = lines.skip(1).map(vertices);
     [lines.next().unwrap(), lines.next().unwrap()]
 }
 
-/// The embedded picture with such a number: its place on the sheet, and its pixels.
-fn picture(svg: &str, which: usize) -> ([f64; 4], image::GrayImage) {
+/// An embedded picture by its index: its left, top, width and height on the sheet, and its pixels.
+fn picture(svg: &str, index: usize) -> ([f64; 4], image::GrayImage) {
     let element = svg
         .lines()
         .filter(|line| line.starts_with("<image"))
-        .nth(which)
+        .nth(index)
         .unwrap();
-    let place = ["x", "y", "width", "height"].map(|name| number(element, name));
+    let rectangle = ["x", "y", "width", "height"].map(|name| number(element, name));
     let data = attribute(element, "href")
         .strip_prefix("data:image/png;base64,")
         .unwrap();
     let png = base64::engine::general_purpose::STANDARD
         .decode(data)
         .unwrap();
-    (place, image::load_from_memory(&png).unwrap().into_luma8())
+    (
+        rectangle,
+        image::load_from_memory(&png).unwrap().into_luma8(),
+    )
 }
 
-/// Where pictures have something: the middle of all that is not white, on the sheet.
-fn middle_of_what_is_there(svg: &str, which: usize) -> DVec2 {
-    let (place, picture) = picture(svg, which);
-    let there = picture
+/// The middle of all of a picture that is not white, on the sheet.
+fn middle_of_content(svg: &str, index: usize) -> DVec2 {
+    let (rectangle, picture) = picture(svg, index);
+    let content = picture
         .enumerate_pixels()
         .filter(|(_, _, grey)| grey.0[0] < 255);
     let (mut from, mut to) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
-    for (x, y, _) in there {
+    for (x, y, _) in content {
         let pixel = DVec2::new(f64::from(x), f64::from(y));
         from = from.min(pixel);
         to = to.max(pixel + 1.0);
     }
     let size = DVec2::new(picture.width().into(), picture.height().into());
-    DVec2::new(place[0], place[1]) + DVec2::new(place[2], place[3]) * (0.5 * (from + to) / size)
+    DVec2::new(rectangle[0], rectangle[1])
+        + DVec2::new(rectangle[2], rectangle[3]) * (0.5 * (from + to) / size)
 }
 
-/// Numbers at the lower and at the left axis of the panel with a title, with their places along it.
-fn marks(svg: &str, title: &str) -> [Vec<(f64, f64)>; 2] {
+/// The labels of the lower and the left axis of the panel with a title: numbers, and their positions along the axis.
+fn labels(svg: &str, title: &str) -> [Vec<(f64, f64)>; 2] {
     let (_, rest) = svg.split_once(title).unwrap();
     let (axes, _) = rest.split_once("<polygon").unwrap();
     let lines: Vec<&str> = axes.lines().collect();
@@ -114,24 +117,24 @@ fn marks(svg: &str, title: &str) -> [Vec<(f64, f64)>; 2] {
         let texts = lines.windows(2).filter(|pair| {
             pair[0].starts_with("<text") && attribute(pair[0], "text-anchor") == anchor
         });
-        let marks = texts.filter_map(|pair| {
+        let labels = texts.filter_map(|pair| {
             let value: f64 = pair[1].parse().ok()?;
             Some((value, number(pair[0], along)))
         });
-        marks.collect()
+        labels.collect()
     };
     [of("middle", "x"), of("end", "y")]
 }
 
-/// What a line through marks says at a place.
-fn read(marks: &[(f64, f64)], place: f64) -> f64 {
-    let ((a, from), (b, to)) = (marks[0], marks[marks.len() - 1]);
-    assert!(marks.len() > 1 && from != to);
-    a + (b - a) * (place - from) / (to - from)
+/// The value at a position along an axis, interpolated between its labels.
+fn value_at(labels: &[(f64, f64)], position: f64) -> f64 {
+    let ((a, from), (b, to)) = (labels[0], labels[labels.len() - 1]);
+    assert!(labels.len() > 1 && from != to);
+    a + (b - a) * (position - from) / (to - from)
 }
 
 #[test]
-fn every_frame_has_its_place_at_the_axes() {
+fn every_frame_is_drawn_at_its_coordinates() {
     let keys = [
         (0.0, DVec3::new(1.0, 2.0, -1.0), 0.0),
         (1.0, DVec3::new(2.0, 3.0, -9.0), 0.0),
@@ -142,19 +145,19 @@ fn every_frame_has_its_place_at_the_axes() {
     let panels = [("Plan: ", [0, 2]), ("Elevation: towards +x", [2, 1])];
     for (line, (title, axes)) in path_lines(&svg).iter().zip(panels) {
         assert_eq!(line.len(), 11);
-        let [lower, left] = marks(&svg, title);
+        let [lower, left] = labels(&svg, title);
         for (frame, vertex) in (0..).zip(line) {
             let position = path.camera(frame).position;
-            let read = [read(&lower, vertex.x), read(&left, vertex.y)];
-            for (read, axis) in read.iter().zip(axes) {
-                assert!((read - position[axis]).abs() < 0.03, "{frame}: {read}");
+            let values = [value_at(&lower, vertex.x), value_at(&left, vertex.y)];
+            for (value, axis) in values.iter().zip(axes) {
+                assert!((value - position[axis]).abs() < 0.03, "{frame}: {value}");
             }
         }
     }
 }
 
 #[test]
-fn the_scene_is_where_the_path_is() {
+fn scene_and_path_are_drawn_at_the_same_coordinates() {
     // A ball below and beside the middle of the path.
     let ball = scene(
         "Scene(materials: {\"m\": (diffuse: (1, 1, 1))}, objects: [
@@ -165,10 +168,10 @@ fn the_scene_is_where_the_path_is() {
     for [from, to] in [[at(1.0, 7.0), at(5.0, 7.0)], [at(3.0, 4.0), at(3.0, 10.0)]] {
         let svg = drawn(&ball, &path(&[(0.0, from, 0.0), (1.0, to, 0.0)]));
         let [plan, elevation] = path_lines(&svg);
-        let difference = middle_of_what_is_there(&svg, 0) - plan[5];
+        let difference = middle_of_content(&svg, 0) - plan[5];
         assert!(difference.abs().max_element() <= UNITS, "{difference}");
         // A metre below the path.
-        let difference = middle_of_what_is_there(&svg, 1) - elevation[5];
+        let difference = middle_of_content(&svg, 1) - elevation[5];
         assert!(
             difference.x.abs() <= UNITS && difference.y > 0.0,
             "{difference}"
@@ -184,7 +187,7 @@ fn the_scene_is_where_the_path_is() {
 
 #[test]
 fn all_paths_can_be_drawn() {
-    let spot = DVec3::new(1.0, 2.0, 3.0);
+    let point = DVec3::new(1.0, 2.0, 3.0);
     let far = DVec3::splat(1e6);
     let room = scene(
         "Scene(materials: {\"m\": (diffuse: (1, 1, 1))}, objects: [
@@ -192,21 +195,24 @@ fn all_paths_can_be_drawn() {
         ])",
     );
     let paths = [
-        ("still", path(&[(0.0, spot, 0.0)])),
-        ("turning", path(&[(0.0, spot, 0.0), (3.0, spot, 170.0)])),
-        ("standing", path(&[(0.0, spot, 0.0), (3.0, spot, 0.0)])),
+        ("still", path(&[(0.0, point, 0.0)])),
+        ("turning", path(&[(0.0, point, 0.0), (3.0, point, 170.0)])),
+        ("standing", path(&[(0.0, point, 0.0), (3.0, point, 0.0)])),
         (
             "vertical",
-            path(&[(0.0, spot, 0.0), (3.0, spot + DVec3::Y, 0.0)]),
+            path(&[(0.0, point, 0.0), (3.0, point + DVec3::Y, 0.0)]),
         ),
         (
             "level",
-            path(&[(0.0, spot, 0.0), (3.0, spot + DVec3::X, 0.0)]),
+            path(&[(0.0, point, 0.0), (3.0, point + DVec3::X, 0.0)]),
         ),
         ("far", path(&[(0.0, far, 0.0), (3.0, far + DVec3::Z, 0.0)])),
         ("far still", path(&[(0.0, far, 0.0)])),
         ("long", path(&[(0.0, -far, 0.0), (3.0, far, 0.0)])),
-        ("short", path(&[(0.0, spot, 0.0), (3.0, spot + 1e-9, 0.0)])),
+        (
+            "short",
+            path(&[(0.0, point, 0.0), (3.0, point + 1e-9, 0.0)]),
+        ),
         (
             "inside",
             path(&[(0.0, DVec3::ZERO, 0.0), (3.0, DVec3::X, 0.0)]),
@@ -222,7 +228,7 @@ fn all_paths_can_be_drawn() {
 }
 
 #[test]
-fn of_many_frames_and_keys_no_more_is_drawn_than_is_seen() {
+fn drawings_of_many_frames_and_keys_stay_small() {
     let key = |number: u32| {
         let angle = f64::from(number) * 0.01;
         let position = DVec3::new(angle.cos(), 0.1 * angle, angle.sin()) * 10.0;
@@ -239,7 +245,7 @@ fn of_many_frames_and_keys_no_more_is_drawn_than_is_seen() {
 }
 
 #[test]
-fn the_command_writes_a_file_or_says_why_not() {
+fn the_command_writes_a_file_or_names_the_fault() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("path.svg");
     let [scene, path] = ["scenes/test3.ron", "paths/test3.ron"].map(|file| root().join(file));

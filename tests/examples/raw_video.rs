@@ -1,5 +1,5 @@
-//! Renders a sequence as raw video to the standard output, without files in between: a frame sink that passes
-//! frames on in their order.
+//! Renders a sequence as raw video to the standard output, without files in between: a frame sink that writes frames
+//! in order.
 //!
 //! ```sh
 //! cargo run --release --example raw_video -- scenes/test3.ron paths/test3.ron \
@@ -9,8 +9,7 @@
 use flythrough::camera_formats::load_camera_path;
 use flythrough::input::{GlobalIllumination, InputFiles, Settings, load_scene};
 use flythrough::render::{
-    Claim, EncodedFrame, FrameObserver, FrameSink, RenderedFrame, Renderer, SequenceObserver,
-    SinkError,
+    Claim, EncodedFrame, FrameSink, RenderObserver, RenderedFrame, Renderer, SinkError,
 };
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -19,7 +18,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Frames come from two threads, so that one may overtake another: it waits here.
+/// Writes frames in order. They come from two threads, so that one may overtake another: it waits here.
 struct RawVideo {
     exposure: f32,
     waiting: Mutex<Waiting>,
@@ -67,21 +66,13 @@ impl FrameSink for RawVideo {
     }
 }
 
-impl FrameObserver for RawVideo {
-    fn tile_done(&self, _: u64) {}
-
+impl RenderObserver for RawVideo {
     fn is_stopped(&self) -> bool {
         self.has_failed.load(Ordering::Relaxed)
     }
-}
-
-impl SequenceObserver for RawVideo {
-    fn frame_kept(&self, _: u32) {}
-
-    fn frame_skipped(&self, _: u32) {}
 
     fn frame_failed(&self, _: u32, _: &SinkError) {
-        // A video has no gaps: what comes after a lost frame is of no use.
+        // A video has no gaps: frames after a lost one are of no use.
         self.has_failed.store(true, Ordering::Relaxed);
     }
 }

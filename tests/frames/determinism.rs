@@ -1,4 +1,4 @@
-//! The same frame, whoever renders it and in whatever order.
+//! Frames are the same bits for any number of threads; noise depends on seed and frame.
 
 use crate::support::*;
 use flythrough::integrator::{CameraSample, Integrator};
@@ -37,7 +37,7 @@ fn one_thread_or_many_give_the_same_bits() {
 #[test]
 fn seeds_and_frames_have_noise_of_their_own() {
     let mut settings = settings(monte_carlo(2, &[1]), 16, 9);
-    // First and last frame of the zoom have the same camera.
+    // The first and the last frame of this path have the same camera.
     let last = shipped_path("zoom.ron").timeline().frame_count() - 1;
     let first = on_threads(2, &settings, 0);
     assert_ne!(first, on_threads(2, &settings, last));
@@ -45,7 +45,7 @@ fn seeds_and_frames_have_noise_of_their_own() {
     assert_ne!(first, on_threads(2, &settings, 0));
 }
 
-/// Shared corners are the four corner samples of each pixel, exactly.
+/// Corner samples that pixels share give exactly the mean of four samples of each pixel.
 #[test]
 fn corners_equal_four_samples_of_each_pixel() {
     let scene = shipped_scene("test.ron");
@@ -72,8 +72,8 @@ fn corners_equal_four_samples_of_each_pixel() {
                 integrator.radiance(&[sample], &mut traversal, &mut radiance);
                 radiance[0]
             };
-            let above = corner(-0.5, -0.5) + corner(0.5, -0.5);
-            let mean = 0.25 * (above + (corner(-0.5, 0.5) + corner(0.5, 0.5)));
+            let upper = corner(-0.5, -0.5) + corner(0.5, -0.5);
+            let mean = 0.25 * (upper + (corner(-0.5, 0.5) + corner(0.5, 0.5)));
             assert_eq!(shared[(y * width + x) as usize], mean);
         }
     }

@@ -1,7 +1,9 @@
-//! Whatever happens to a batch: nothing that is finished is lost, nothing that is there is half a frame, and the
-//! exit status says whether to try again. What needs a file system of its own needs root.
+//! Faults during a batch: processes that are killed, full disks, folders that vanish. No finished frame is lost, no
+//! partial file has a frame's name, and the exit status says whether to try again. Tests that mount a file system need
+//! root.
 
 use crate::support::*;
+use flythrough::sampling::Random;
 use rustix::process::{Pid, Signal, kill_process};
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,10 +13,10 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Interrupted: the same command goes on from there.
+/// The exit status of an interrupted run. The same command resumes it.
 const INTERRUPTED: Option<i32> = Some(75);
 
-/// A path of so many frames through `test3`, in a folder that the frames go to folders of.
+/// A folder with a path through `test3`, for the folders of its frames.
 struct Batch {
     folder: tempfile::TempDir,
 }
@@ -53,7 +55,7 @@ impl Batch {
         self.command(out, more).output().unwrap()
     }
 
-    /// The frames of a run that nothing happens to.
+    /// The frames of a run without faults.
     fn undisturbed(&self, more: &[&str]) -> Vec<(PathBuf, Vec<u8>)> {
         let out = self.folder.path().join("undisturbed");
         assert_eq!(self.render(&out, more).status.code(), Some(0));
@@ -65,24 +67,24 @@ impl Batch {
     }
 }
 
-/// Lines that `verify` says of frames that are neither verified nor missing.
+/// The lines of `verify` about frames that are neither verified nor missing.
 fn faults(out: &Path) -> Vec<String> {
     let output = flythrough(&["verify", "--quiet", out.to_str().unwrap()]);
-    let said = String::from_utf8(output.stdout).unwrap();
-    let lines = said.lines().filter(|line| !line.ends_with(": missing"));
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let lines = printed.lines().filter(|line| !line.ends_with(": missing"));
     lines.map(str::to_owned).collect()
 }
 
-/// The files of a folder that are not finished.
-fn parts(out: &Path) -> Vec<PathBuf> {
+/// The partial files of a folder.
+fn partial_files(out: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(out).unwrap().map(|e| e.unwrap().path());
     entries
         .filter(|file| file.extension().is_some_and(|e| e == "part"))
         .collect()
 }
 
-/// Waits for what a process at work does.
-fn until(child: &mut Child, what: &str, is_so: impl Fn() -> bool) {
+/// Waits until `is_so`, while a process runs.
+fn wait_until(child: &mut Child, what: &str, is_so: impl Fn() -> bool) {
     while !is_so() {
         assert!(
             child.try_wait().unwrap().is_none(),
@@ -92,29 +94,16 @@ fn until(child: &mut Child, what: &str, is_so: impl Fn() -> bool) {
     }
 }
 
-/// Waits for a file of a process at work.
-fn until_there(child: &mut Child, file: &Path) {
-    until(child, &file.display().to_string(), || file.is_file());
+/// Waits for a file of a running process.
+fn wait_for_file(child: &mut Child, file: &Path) {
+    wait_until(child, &file.display().to_string(), || file.is_file());
 }
 
 fn signal(child: &Child, signal: Signal) {
     kill_process(Pid::from_child(child), signal).unwrap();
 }
 
-/// Numbers that look like chance, the same in every run.
-struct Chance(u64);
-
-impl Chance {
-    fn below(&mut self, end: u64) -> u64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
-        (self.0 >> 33) % end
-    }
-}
-
-/// While it starts, and while it is at work on frames.
+/// Half of the kills are while it starts, half while it renders.
 #[test]
 fn killed_at_any_moment() {
     let kills = scaled(10, 40, 200);
@@ -135,18 +124,18 @@ fn killed_at_any_moment() {
         &batch.folder.path().join("one"),
         &[&more[..], &["--frames", "0"]].concat(),
     );
-    let longest = start.elapsed().as_millis() as u64;
-    let mut chance = Chance(1);
-    let (mut rendered, mut halves) = (0, 0);
+    let longest = start.elapsed().as_millis() as usize;
+    let mut random = Random::new(1);
+    let (mut rendered, mut with_partial_files) = (0, 0);
     for kill in 0..kills {
         let count = || fs::read_dir(&out).map_or(0, |_| frames(&out).len());
         let before = count();
         let mut child = batch.start(&out, &more);
         if kill % 2 == 0 {
-            sleep(Duration::from_millis(chance.below(longest)));
+            sleep(Duration::from_millis(random.below(longest) as u64));
         } else {
-            until(&mut child, "a frame", || count() > before);
-            sleep(Duration::from_micros(chance.below(20_000)));
+            wait_until(&mut child, "a frame", || count() > before);
+            sleep(Duration::from_micros(random.below(20_000) as u64));
         }
         child.kill().unwrap();
         child.wait().unwrap();
@@ -156,41 +145,41 @@ fn killed_at_any_moment() {
         assert_eq!(faults(&out), [""; 0]);
         let there = frames(&out);
         rendered += there.len() - before;
-        halves += usize::from(!parts(&out).is_empty());
+        with_partial_files += usize::from(!partial_files(&out).is_empty());
         if there.len() > 350 {
-            for (name, _) in there.iter().filter(|_| chance.below(2) == 0) {
+            for (name, _) in there.iter().filter(|_| random.below(2) == 0) {
                 fs::remove_file(out.join(name)).unwrap();
             }
         }
     }
     assert!(
-        rendered >= kills / 2 && halves >= kills / 4,
-        "{rendered} frames, {halves} left in the middle of one"
+        rendered >= kills / 2 && with_partial_files >= kills / 4,
+        "{rendered} frames rendered, {with_partial_files} kills within a frame's file"
     );
     let output = batch.render(&out, &more);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(frames(&out) == whole);
-    assert_eq!(parts(&out), [""; 0].map(PathBuf::from));
+    assert_eq!(partial_files(&out), [""; 0].map(PathBuf::from));
     let verified = flythrough(&["verify", out.to_str().unwrap()]);
     assert_eq!(verified.status.code(), Some(0));
 }
 
 #[test]
-fn asked_to_end_it_gives_up_the_frames_in_flight_and_no_others() {
+fn a_signal_gives_up_the_frames_in_flight_and_no_others() {
     let batch = Batch::new(40);
     let more = ["--size", "160x120", "--samples", "24"];
     let whole = batch.undisturbed(&more);
-    for asked in [Signal::TERM, Signal::INT] {
-        let out = batch.folder.path().join(format!("{asked:?}"));
+    for sent in [Signal::TERM, Signal::INT] {
+        let out = batch.folder.path().join(format!("{sent:?}"));
         let mut child = batch.start(&out, &more);
-        until_there(&mut child, &out.join("frame_00001.png"));
-        signal(&child, asked);
+        wait_for_file(&mut child, &out.join("frame_00001.png"));
+        signal(&child, sent);
         let output = child.wait_with_output().unwrap();
         assert_eq!(output.status.code(), INTERRUPTED, "{}", stderr(&output));
-        let said = String::from_utf8(output.stdout).unwrap();
-        assert!(said.contains("interrupted"), "{said}");
+        let printed = String::from_utf8(output.stdout).unwrap();
+        assert!(printed.contains("interrupted"), "{printed}");
         assert_eq!(faults(&out), [""; 0]);
-        assert_eq!(parts(&out), [""; 0].map(PathBuf::from));
+        assert_eq!(partial_files(&out), [""; 0].map(PathBuf::from));
         let there = frames(&out);
         assert!(there.len() < 40);
         let manifest = fs::read_to_string(out.join("manifest.ron")).unwrap();
@@ -200,9 +189,9 @@ fn asked_to_end_it_gives_up_the_frames_in_flight_and_no_others() {
     }
 }
 
-/// While the irradiance cache is baked there is nothing to finish.
+/// While the irradiance cache is baked.
 #[test]
-fn asked_to_end_before_the_first_frame() {
+fn a_signal_before_the_first_frame() {
     let batch = Batch::new(40);
     let more = [
         "--size",
@@ -213,7 +202,7 @@ fn asked_to_end_before_the_first_frame() {
         "0.000001",
     ];
     let mut child = batch.start(&batch.out(), &more);
-    until_there(&mut child, &batch.out().join("sequence.ron"));
+    wait_for_file(&mut child, &batch.out().join("sequence.ron"));
     sleep(Duration::from_millis(20));
     signal(&child, Signal::TERM);
     assert_eq!(child.wait_with_output().unwrap().status.code(), INTERRUPTED);
@@ -232,23 +221,23 @@ fn several_processes_share_the_frames_of_one_folder() {
         for child in children {
             let output = child.wait_with_output().unwrap();
             assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-            let said = String::from_utf8(output.stdout).unwrap();
-            let count: u32 = said.split(' ').next().unwrap().parse().unwrap();
+            let printed = String::from_utf8(output.stdout).unwrap();
+            let count: u32 = printed.split(' ').next().unwrap().parse().unwrap();
             rendered += count;
         }
         assert!(frames(&out) == whole);
-        // The last two of each are not waited for: any other may render them once more.
+        // The last two frames of each process may be rendered by any other, too.
         let most = 150 + 2 * processes * processes;
         assert!((150..most).contains(&rendered), "{rendered}");
         let manifest = fs::read_to_string(out.join("manifest.ron")).unwrap();
         assert_eq!(manifest.matches("Frame(").count(), 150);
-        assert_eq!(parts(&out), [""; 0].map(PathBuf::from));
+        assert_eq!(partial_files(&out), [""; 0].map(PathBuf::from));
     }
 }
 
-/// Everything is rendered twice, by two who know nothing of each other's frames.
+/// Each process renders every frame.
 #[test]
-fn two_that_force_their_way_write_the_same_frames() {
+fn two_runs_with_force_write_the_same_frames() {
     let batch = Batch::new(60);
     let more = ["--size", "80x60", "--threads", "1"];
     let whole = batch.undisturbed(&more);
@@ -260,21 +249,21 @@ fn two_that_force_their_way_write_the_same_frames() {
     assert!(frames(&batch.out()) == whole);
 }
 
-/// Two sequences in one folder cannot both be there in the end; whoever comes too late says so.
+/// One folder cannot hold two sequences: the run whose sequence is replaced fails.
 #[test]
 fn another_sequence_in_the_same_folder_is_noticed() {
     let batch = Batch::new(200);
     let more = ["--size", "80x60", "--samples", "16", "--threads", "1"];
     let mut first = batch.start(&batch.out(), &more);
-    until_there(&mut first, &batch.out().join("frame_00003.png"));
+    wait_for_file(&mut first, &batch.out().join("frame_00003.png"));
     let other = [&more[..], &["--seed", "5"]].concat();
     let second = batch.start(&batch.out(), &other);
     let outputs = [first, second].map(|child| child.wait_with_output().unwrap());
     assert_eq!(outputs[0].status.code(), Some(3));
-    let said = stderr(&outputs[0]);
+    let printed = stderr(&outputs[0]);
     assert!(
-        said.contains("frame 199 failed") && said.contains("use two folders"),
-        "{said}"
+        printed.contains("frame 199 failed") && printed.contains("use two folders"),
+        "{printed}"
     );
     assert_eq!(outputs[1].status.code(), Some(0));
     assert_eq!(batch.render(&batch.out(), &other).status.code(), Some(0));
@@ -283,28 +272,29 @@ fn another_sequence_in_the_same_folder_is_noticed() {
 }
 
 #[test]
-fn a_folder_that_vanishes_stays_away_and_the_frames_are_named() {
+fn a_folder_that_vanishes_is_not_made_again_and_its_frames_are_named() {
     let batch = Batch::new(400);
     let more = ["--size", "160x120", "--samples", "16"];
     let mut child = batch.start(&batch.out(), &more);
-    until_there(&mut child, &batch.out().join("frame_00002.png"));
+    wait_for_file(&mut child, &batch.out().join("frame_00002.png"));
     let gone = batch.folder.path().join("gone");
     fs::rename(batch.out(), &gone).unwrap();
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(3));
-    let said = stderr(&output);
+    let printed = stderr(&output);
     assert!(
-        said.contains("frame 399 failed") && said.contains("frame_00399.png: cannot be written"),
-        "{said}"
+        printed.contains("frame 399 failed")
+            && printed.contains("frame_00399.png: cannot be written"),
+        "{printed}"
     );
-    assert!(!said.contains("use two folders"), "{said}");
+    assert!(!printed.contains("use two folders"), "{printed}");
     assert!(!batch.out().exists());
     assert_eq!(faults(&gone), [""; 0]);
     assert!(frames(&gone).len() >= 2);
 }
 
-/// A file system in memory, of `kilobytes`, while it lives. None where the system forbids it: the test is left
-/// out loudly, and fails where all tests have to run.
+/// A mounted file system in memory. Where the system forbids that there is none: the test is skipped with a message, or
+/// fails in CI.
 struct Disk {
     folder: tempfile::TempDir,
 }
@@ -320,9 +310,9 @@ impl Disk {
         }
         assert!(
             std::env::var_os("CI").is_none(),
-            "CI has to be able to mount a tmpfs"
+            "CI must be able to mount a tmpfs"
         );
-        // Past what test runners swallow.
+        // Not `eprintln!`, which test runners capture.
         let _ = writeln!(
             std::io::stderr(),
             "NOT TESTED: this system does not let the test mount a tmpfs; run it as root"
@@ -351,29 +341,29 @@ impl Drop for Disk {
 }
 
 #[test]
-fn a_full_disk_keeps_what_it_has_and_takes_the_rest_when_there_is_room() {
+fn a_full_disk_keeps_finished_frames_and_gets_the_rest_when_there_is_room() {
     let batch = Batch::new(30);
     let more = ["--size", "160x120"];
     let whole = batch.undisturbed(&more);
     let Some(disk) = Disk::new(400) else { return };
     let output = batch.render(&disk.out(), &more);
-    let said = stderr(&output);
-    assert_eq!(output.status.code(), Some(3), "{said}");
+    let printed = stderr(&output);
+    assert_eq!(output.status.code(), Some(3), "{printed}");
     assert!(
-        said.contains("frame 29 failed") && said.contains("No space left on device"),
-        "{said}"
+        printed.contains("frame 29 failed") && printed.contains("No space left on device"),
+        "{printed}"
     );
     let there = frames(&disk.out()).len();
     assert!((3..30).contains(&there), "{there}");
     assert_eq!(faults(&disk.out()), [""; 0]);
-    assert_eq!(parts(&disk.out()), [""; 0].map(PathBuf::from));
+    assert_eq!(partial_files(&disk.out()), [""; 0].map(PathBuf::from));
     assert!(disk.mount(&["-o", "remount,size=20m"]));
     assert_eq!(batch.render(&disk.out(), &more).status.code(), Some(0));
     assert!(frames(&disk.out()) == whole);
 }
 
 #[test]
-fn a_disk_that_is_full_in_the_middle_of_a_file_leaves_none_of_it() {
+fn a_disk_that_fills_up_within_a_file_keeps_none_of_it() {
     let Some(disk) = Disk::new(64) else { return };
     let file = disk.folder.path().join("a");
     flythrough::storage::write_atomic(&file, &[1; 20_000]).unwrap();
@@ -384,7 +374,7 @@ fn a_disk_that_is_full_in_the_middle_of_a_file_leaves_none_of_it() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_written_is_refused_unless_nothing_is_to_be_written() {
+fn a_read_only_folder_is_refused_unless_it_is_complete() {
     let batch = Batch::new(4);
     let more = ["--size", "16x12"];
     let Some(disk) = Disk::new(1000) else { return };
@@ -404,10 +394,9 @@ fn a_folder_that_cannot_be_written_is_refused_unless_nothing_is_to_be_written() 
     assert_eq!(faults(&disk.out()), [""; 0]);
 }
 
-/// Memory and open files while a process renders up to 10,000 frames: what it has of both after a fifth of them is
-/// all that it takes for the rest.
+/// Memory and open files while a process renders up to 10,000 frames: neither grows after a fifth of them.
 #[test]
-fn many_frames_take_no_more_memory_than_a_fifth_of_them() {
+fn memory_does_not_grow_after_a_fifth_of_the_frames() {
     let count = scaled(500, 2000, 10_000);
     let batch = Batch::new(count);
     let mut child = batch.start(&batch.out(), &["--size", "8x6", "--threads", "2"]);
@@ -419,7 +408,7 @@ fn many_frames_take_no_more_memory_than_a_fifth_of_them() {
         let kilobytes = line.split_whitespace().nth(1)?.parse().ok()?;
         Some((kilobytes, files))
     };
-    // The largest of either in each fifth of the sequence.
+    // The most of each in every fifth of the sequence.
     let mut fifths: BTreeMap<usize, (u64, u64)> = BTreeMap::new();
     let is_there = |frame: usize| batch.out().join(format!("frame_{frame:05}.png")).is_file();
     let mut fifth = 0;

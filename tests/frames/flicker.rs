@@ -1,4 +1,4 @@
-//! Flicker of noise that is known.
+//! The flicker metric on synthetic noise of known variance.
 
 use crate::support::*;
 use flythrough::film::Film;
@@ -11,7 +11,7 @@ const WIDTH: u32 = 96;
 const HEIGHT: u32 = 72;
 const WHITE: f32 = 0.5;
 
-/// Two frames of a room, without noise, and what they have in common.
+/// Two frames of a room without noise, and the reprojection between them.
 struct Room {
     reprojection: Reprojection,
     truth: [Film; 2],
@@ -36,7 +36,7 @@ fn noisy(film: &Film, seed: u64, sigma: impl Fn(usize) -> f32) -> Film {
     let mut random = Random::new(seed);
     let mut noisy = film.clone();
     for (number, pixel) in noisy.pixels_mut().iter_mut().enumerate() {
-        // Twelve uniform numbers have the variance 1, and all but the tails of a normal distribution.
+        // The sum of twelve uniform numbers has the variance 1, and is nearly normal but for its tails.
         let normal: Vec3 = (0..12).map(|_| random.vector(0.5)).sum();
         *pixel += sigma(number) * normal;
     }
@@ -49,16 +49,16 @@ impl Room {
         self.reprojection.flicker(picture, a, b, WHITE)
     }
 
-    /// What is left of noise of standard deviation 1, if frame `from` counts in the pixel of `to` itself so
-    /// many times less.
-    fn square(&self, in_common: f64) -> f64 {
+    /// The expected flicker of noise of standard deviation 1, whose `correlation` is that of the same pixel in both
+    /// frames.
+    fn square(&self, correlation: f64) -> f64 {
         let later = self.truth[1].pixels();
         let of_match = |of: &Match| {
             let mut weights = 1.0;
             for (pixel, weight) in self.reprojection.taps(of) {
                 weights += weight * weight;
                 if pixel == of.pixel {
-                    weights -= 2.0 * in_common * weight;
+                    weights -= 2.0 * correlation * weight;
                 }
             }
             let dark = f64::from(0.1 * WHITE).powi(2);
@@ -86,7 +86,7 @@ fn the_truth_does_not_flicker() {
     let flicker = room.flicker(&room.truth, &a, &b);
     assert_within(flicker, 0.0, 3.0);
     assert!(flicker.standard_error > 0.0);
-    // What is compared with itself has no error at all, not even by chance.
+    // Compared with itself a picture has no error at all.
     let itself = room.flicker(&a, &a, &b);
     assert_eq!((itself.square, itself.relative), (0.0, 0.0));
 }
@@ -101,7 +101,7 @@ fn independent_noise_is_measured() {
     assert_within(exact, expected, 4.0);
     assert!(exact.standard_error < 0.02 * expected, "{exact:?}");
     assert_eq!(exact.relative, exact.square.sqrt());
-    // So it is by references of half the noise, though less exactly.
+    // The same with references of half the noise, though less precisely.
     let [a, b] = [10, 20].map(|seed| {
         [0, 1].map(|frame| noisy(&room.truth[frame], seed + frame as u64, |_| 0.5 * sigma))
     });
@@ -111,25 +111,25 @@ fn independent_noise_is_measured() {
 }
 
 #[test]
-fn noise_on_the_film_moves_with_the_camera() {
+fn noise_that_is_fixed_to_the_film_flickers_if_the_camera_moves() {
     let sigma = 0.01;
-    let locked = |room: &Room| {
+    let fixed_noise = |room: &Room| {
         let picture = [0, 1].map(|frame| noisy(&room.truth[frame], 1, |_| sigma));
         room.flicker(&picture, &room.truth, &room.truth)
     };
-    let still = locked(&STILL);
+    let still = fixed_noise(&STILL);
     assert_eq!((still.square, still.standard_error), (0.0, 0.0));
-    // A room without a way out.
+    // The room is closed.
     assert_eq!(still.matched, 1.0);
     let expected = f64::from(sigma).powi(2) * MOVING.square(1.0);
-    let moving = locked(&MOVING);
+    let moving = fixed_noise(&MOVING);
     assert_within(moving, expected, 4.0);
     assert!(moving.square > 20.0 * moving.standard_error);
 }
 
-/// Of noise that is stronger on one side, and that neighbours have in common.
+/// With noise that grows from left to right and is correlated between neighbours.
 #[test]
-fn the_standard_error_is_what_chance_does() {
+fn the_standard_error_is_the_deviation_of_repeated_runs() {
     let room = &*MOVING;
     let sigma = |pixel: usize| 0.005 + 2e-4 * (pixel % WIDTH as usize) as f32;
     let shared = |film: &Film, seed| {
@@ -146,7 +146,7 @@ fn the_standard_error_is_what_chance_does() {
         let picture =
             [0, 1].map(|frame: usize| shared(&room.truth[frame], 2 * seed + frame as u64));
         let [picture, truth] = [&picture, &room.truth].map(|films| films.each_ref());
-        // So bright that light and shade count alike.
+        // So bright that bright and dark pixels count alike.
         let white = 20.0 * WHITE;
         room.reprojection.flicker(picture, truth, truth, white)
     };
@@ -154,7 +154,7 @@ fn the_standard_error_is_what_chance_does() {
     let mean = |of: &dyn Fn(&Flicker) -> f64| runs.iter().map(of).sum::<f64>() / 64.0;
     let square = mean(&|run| run.square);
     let variance = mean(&|run| (run.square - square).powi(2)) * 64.0 / 63.0;
-    let claimed = mean(&|run| run.standard_error.powi(2));
-    let ratio = (claimed / variance).sqrt();
+    let estimated = mean(&|run| run.standard_error.powi(2));
+    let ratio = (estimated / variance).sqrt();
     assert!((0.75..1.3).contains(&ratio), "{ratio}");
 }

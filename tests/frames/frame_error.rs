@@ -1,4 +1,4 @@
-//! What frames say of their own errors, and what they do about them.
+//! Estimated errors of frames, and adaptive sampling.
 
 use crate::support::statistics::*;
 use crate::support::*;
@@ -26,8 +26,8 @@ fn frame(settings: &RenderSettings, seed: u32) -> RenderedFrame {
     renderer(&ROOM.0, &settings).render_frame(&ROOM.1, 0)
 }
 
-/// The mean of (x - r)^2 / (m^2 + (white / 10)^2), where m is the mean of the pixels around.
-fn relative_square_error(picture: &Film, reference: &Film, white: f64) -> f64 {
+/// The mean of (x - r)^2 / (m^2 + (white / 10)^2), where m is the mean of the neighbouring pixels.
+fn relative_square_error(film: &Film, reference: &Film, white: f64) -> f64 {
     let (width, height) = (SIZE[0] as i32, SIZE[1] as i32);
     let at = |film: &Film, x: i32, y: i32| film.pixels()[(y * width + x) as usize].as_dvec3();
     let inside = |x: i32, y: i32| (0..width).contains(&x) && (0..height).contains(&y);
@@ -39,14 +39,14 @@ fn relative_square_error(picture: &Film, reference: &Film, white: f64) -> f64 {
             .map(|(dx, dy)| at(reference, x + dx, y + dy))
             .collect();
         let mean = around.iter().sum::<DVec3>() / around.len() as f64;
-        let error = at(picture, x, y) - at(reference, x, y);
+        let error = at(film, x, y) - at(reference, x, y);
         sum += (error * error / (mean * mean + (0.1 * white).powi(2))).element_sum();
     }
     sum / f64::from(3 * width * height)
 }
 
-/// Of 200 frames, 95 in 100 should be as far from the reference as they say; the numbers of frames that
-/// may lie between 90 and 99 in 100 do so by chance in less than one of 500 cases.
+/// 95 % intervals should hold the true error of 95 in 100 frames. Of 200 frames, fewer than 90 or more than 99 in 100
+/// are within theirs in less than one of 500 cases.
 #[test]
 fn intervals_hold_the_true_error() {
     let cases = [
@@ -63,7 +63,7 @@ fn intervals_hold_the_true_error() {
         let reference = frame(
             &RenderSettings {
                 integrator: monte_carlo(4, &[reference_splits]),
-                // Many more camera rays, too, where they are random.
+                // With many more camera rays where they are random.
                 sampling: match sampling {
                     PixelSampling::Spread(_) => PixelSampling::Spread(256),
                     fixed => fixed,
@@ -77,24 +77,30 @@ fn intervals_hold_the_true_error() {
             let true_error = relative_square_error(&rendered.film, &reference.film, 0.35);
             let error = rendered.error.unwrap();
             let [low, high] = error.interval();
-            let is_held = (low..=high).contains(&true_error);
-            (is_held, error.relative_square_error, true_error)
+            let is_within = (low..=high).contains(&true_error);
+            (is_within, error.relative_square_error, true_error)
         });
         let runs: Vec<(bool, f64, f64)> = runs.collect();
-        let held = runs.iter().filter(|(is_held, ..)| *is_held).count();
-        assert!((180..=198).contains(&held), "{sampling:?}: {held} of 200");
+        let within = runs.iter().filter(|(is_within, ..)| *is_within).count();
+        assert!(
+            (180..=198).contains(&within),
+            "{sampling:?}: {within} of 200"
+        );
         let mean = |of: fn(&(bool, f64, f64)) -> f64| runs.iter().map(of).sum::<f64>() / 200.0;
         let (estimated, measured) = (mean(|run| run.1), mean(|run| run.2));
         assert!(
             (estimated / measured - 1.0).abs() < 0.02,
             "{sampling:?}: {estimated} {measured}"
         );
-        let own = reference.error.unwrap().relative_square_error;
-        assert!(own < 0.01 * measured, "{sampling:?}: {own}");
+        let of_reference = reference.error.unwrap().relative_square_error;
+        assert!(
+            of_reference < 0.01 * measured,
+            "{sampling:?}: {of_reference}"
+        );
     }
 }
 
-/// Samples that are added where neighbours need them leave every pixel unbiased.
+/// Adaptive sampling leaves every pixel unbiased, although it adds samples where neighbouring pixels need them.
 #[test]
 fn frames_of_a_target_error_reach_it_without_bias() {
     let size = [16, 12];
@@ -103,22 +109,22 @@ fn frames_of_a_target_error_reach_it_without_bias() {
             sampling,
             ..settings(monte_carlo(4, &[2]), size[0], size[1])
         };
-        let aimed = RenderSettings {
+        let adaptive = RenderSettings {
             target_error: Some(0.01),
             ..plain.clone()
         };
-        let rendered: Vec<RenderedFrame> = (0..32).map(|seed| frame(&aimed, seed)).collect();
+        let rendered: Vec<RenderedFrame> = (0..32).map(|seed| frame(&adaptive, seed)).collect();
         let rays = |frame: &RenderedFrame| frame.rays;
         for rendered in &rendered {
             let error = rendered.error.unwrap();
             assert!(error.interval()[1] <= 0.01, "{error:?}");
-            // Not far more than is needed.
+            // Not far below the target.
             assert!(error.relative_square_error > 0.001, "{error:?}");
         }
         let few = frame(&plain, 0);
         assert!(few.error.unwrap().relative_square_error > 0.02);
         assert!(rendered.iter().map(rays).min().unwrap() > 2 * few.rays);
-        let aimed: Vec<Vec<f64>> = rendered.iter().map(|r| channels(r.film.pixels())).collect();
+        let adaptive: Vec<Vec<f64>> = rendered.iter().map(|r| channels(r.film.pixels())).collect();
         let reference = RenderSettings {
             integrator: monte_carlo(4, &[64]),
             sampling: match sampling {
@@ -128,21 +134,21 @@ fn frames_of_a_target_error_reach_it_without_bias() {
             ..plain
         };
         let reference = runs(&ROOM.0, &ROOM.1, &reference, 1_000_000..1_000_032);
-        let agreement = Agreement::of(&estimates(&aimed), &estimates(&reference), 31, 0.0);
+        let agreement = Agreement::of(&estimates(&adaptive), &estimates(&reference), 31, 0.0);
         assert!(agreement.holds(), "{sampling:?}: {agreement:?}");
-        // 1.07 for 31 degrees of freedom; of 192 pixels that share corners, 0.15 is a standard deviation.
+        // 1.07 for 31 degrees of freedom, with a standard deviation of 0.15 for 192 pixels that share corner samples.
         assert!((0.7..1.5).contains(&agreement.mean_square), "{agreement:?}");
     }
 }
 
-/// Few samples, of great noise, of which a brighter one must not keep others from being taken: the mean light of
+/// Where samples are few and noisy, a bright one must not stop others from being taken. Compares the mean radiance of
 /// whole frames.
 #[test]
 fn added_samples_do_not_make_frames_brighter() {
-    // Made before threads that its own making needs could wait for it.
+    // Initialised first: its initialiser needs the threads that would wait for it below.
     LazyLock::force(&ROOM);
     let few = spread(monte_carlo(4, &[1]), [32, 24], 1);
-    let aimed = RenderSettings {
+    let adaptive = RenderSettings {
         target_error: Some(0.05),
         ..few.clone()
     };
@@ -151,24 +157,24 @@ fn added_samples_do_not_make_frames_brighter() {
         ..few
     };
     let mean = |settings: &RenderSettings, seeds: std::ops::Range<u32>| {
-        let lights = seeds.into_par_iter().map(|seed| {
+        let means = seeds.into_par_iter().map(|seed| {
             let film = frame(settings, seed).film;
             let sum: f64 = channels(film.pixels()).iter().sum();
             sum / film.pixels().len() as f64
         });
-        Estimate::of(&lights.collect::<Vec<f64>>())
+        Estimate::of(&means.collect::<Vec<f64>>())
     };
-    let (aimed, even) = (mean(&aimed, 0..400), mean(&many, 1_000_000..1_000_100));
-    let error = aimed.error.hypot(even.error);
-    assert!(error < 6e-4 * even.mean, "{aimed:?} {even:?}");
-    let off = (aimed.mean - even.mean) / error;
-    assert!(off.abs() < 3.3, "{off}: {aimed:?} {even:?}");
+    let (adaptive, uniform) = (mean(&adaptive, 0..400), mean(&many, 1_000_000..1_000_100));
+    let error = adaptive.error.hypot(uniform.error);
+    assert!(error < 6e-4 * uniform.mean, "{adaptive:?} {uniform:?}");
+    let z = (adaptive.mean - uniform.mean) / error;
+    assert!(z.abs() < 3.3, "{z}: {adaptive:?} {uniform:?}");
 }
 
-/// The halves that a picture is made of are the picture plus and minus its deviation: they do not depend on
-/// each other, so their errors are not correlated.
+/// The half buffers of a frame are its film plus and minus its deviation. They are independent, so their errors are not
+/// correlated.
 #[test]
-fn halves_are_independent() {
+fn half_buffers_are_independent() {
     let paths = scaled(4, 4, 16);
     let settings = settings(monte_carlo(4, &[paths]), SIZE[0], SIZE[1]);
     let reference = frame(
@@ -198,7 +204,7 @@ fn halves_are_independent() {
 }
 
 #[test]
-fn what_is_not_left_to_chance_has_no_error() {
+fn frames_without_monte_carlo_noise_have_no_error() {
     for settings in [
         settings(ray_tracing(), 8, 6),
         spread(ray_tracing(), [8, 6], 4),
@@ -213,9 +219,9 @@ fn what_is_not_left_to_chance_has_no_error() {
     );
 }
 
-/// Pictures of one pixel and of one row have fewer neighbours, or none.
+/// In frames of one pixel or one row pixels have fewer neighbours, or none.
 #[test]
-fn small_frames_say_what_they_can() {
+fn small_frames_have_an_error_estimate() {
     for (width, height) in [(1, 1), (9, 1), (1, 9), (2, 2)] {
         for sampling in [PixelSampling::Spread(2), PixelSampling::Corners] {
             let settings = RenderSettings {

@@ -1,16 +1,16 @@
-//! Files of light that runs of the program share.
+//! Irradiance cache files that runs of the program share.
 
 use crate::support::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Runs a command on the room of `scenes/test3.ron` and a path; its exit status and all that it said.
+/// Runs a command on the room of `scenes/test3.ron` and a path; returns its exit status and all that it printed.
 fn run(command: &str, path: &Path, more: &[&str]) -> (Option<i32>, String) {
     let mut arguments = vec![command, "scenes/test3.ron", path.to_str().unwrap()];
     arguments.extend(more);
     let output = flythrough(&arguments);
-    let said = String::from_utf8(output.stdout.clone()).unwrap() + &stderr(&output);
-    (output.status.code(), said)
+    let printed = String::from_utf8(output.stdout.clone()).unwrap() + &stderr(&output);
+    (output.status.code(), printed)
 }
 
 /// A folder with two paths of four frames each.
@@ -56,18 +56,18 @@ impl Folder {
     }
 }
 
-fn assert_done((status, said): (Option<i32>, String)) -> String {
-    assert_eq!(status, Some(0), "{said}");
-    said
+fn assert_done((status, printed): (Option<i32>, String)) -> String {
+    assert_eq!(status, Some(0), "{printed}");
+    printed
 }
 
-fn assert_refused((status, said): (Option<i32>, String), why: &str) {
-    assert_eq!(status, Some(2), "{said}");
-    assert!(said.contains(why), "{said}");
+fn assert_refused((status, printed): (Option<i32>, String), why: &str) {
+    assert_eq!(status, Some(2), "{printed}");
+    assert!(printed.contains(why), "{printed}");
 }
 
 #[test]
-fn parts_of_a_sequence_that_share_a_file_are_those_of_one_run() {
+fn runs_that_share_a_file_render_the_frames_of_one_run() {
     let folder = Folder::new();
     let cache = folder.text("gi.cache");
     let cache = ["--gi-cache", &cache];
@@ -75,15 +75,16 @@ fn parts_of_a_sequence_that_share_a_file_are_those_of_one_run() {
     let kept = fs::read(cache[1]).unwrap();
     for (frames, threads) in [("0-1", "1"), ("2-3", "4")] {
         let part = ["--frames", frames, "--threads", threads];
-        let said = assert_done(folder.render("left.ron", "parts", &[&cache[..], &part].concat()));
-        assert!(said.contains("irradiance cache read"), "{said}");
+        let printed =
+            assert_done(folder.render("left.ron", "parts", &[&cache[..], &part].concat()));
+        assert!(printed.contains("irradiance cache read"), "{printed}");
     }
     assert_done(folder.render("left.ron", "whole", &[]));
     for number in 0..4 {
         assert!(folder.frame("parts", number) == folder.frame("whole", number));
     }
     assert!(kept == fs::read(cache[1]).unwrap());
-    // Made by a run that finds none, it is the same.
+    // A run that finds no file writes the same one.
     fs::remove_file(cache[1]).unwrap();
     assert_done(folder.render(
         "left.ron",
@@ -95,21 +96,21 @@ fn parts_of_a_sequence_that_share_a_file_are_those_of_one_run() {
 }
 
 #[test]
-fn another_path_adds_what_it_needs() {
+fn another_path_adds_the_records_it_needs() {
     let folder = Folder::new();
     let cache = folder.text("gi.cache");
     let cached = ["--gi-cache", &cache, "--frames", "0"];
     assert_done(folder.render("left.ron", "left", &cached));
     let first = fs::read(&cache).unwrap();
-    let said = assert_done(folder.render("right.ron", "right", &cached));
-    assert!(said.contains("irradiance cache baked"), "{said}");
+    let printed = assert_done(folder.render("right.ron", "right", &cached));
+    assert!(printed.contains("irradiance cache baked"), "{printed}");
     let both = fs::read(&cache).unwrap();
     assert!(both.len() > first.len() && both.len() < 2 * first.len());
-    // The light of both is there now, and is not touched again.
-    let said = assert_done(folder.bake("right.ron", &[]));
-    assert!(said.contains("irradiance cache read"), "{said}");
+    // The file has the records of both now, and is not written again.
+    let printed = assert_done(folder.bake("right.ron", &[]));
+    assert!(printed.contains("irradiance cache read"), "{printed}");
     assert!(both == fs::read(&cache).unwrap());
-    // Frames by the light of the one path alone are not mixed with those by that of both.
+    // Frames with the records of one path are not mixed with frames with those of both.
     let more = ["--gi-cache", &cache, "--frames", "1"];
     for (path, missing) in [("left", "0\n2\n3\n"), ("right", "2\n3\n")] {
         assert_done(folder.render(&format!("{path}.ron"), path, &more));
@@ -119,7 +120,7 @@ fn another_path_adds_what_it_needs() {
 }
 
 #[test]
-fn light_of_something_else_is_refused() {
+fn a_cache_of_other_inputs_is_refused() {
     let folder = Folder::new();
     let cache = folder.text("gi.cache");
     assert_done(folder.bake("left.ron", &[]));
@@ -144,22 +145,22 @@ fn light_of_something_else_is_refused() {
 }
 
 #[test]
-fn damage_is_found() {
+fn damage_is_refused() {
     let folder = Folder::new();
     let cache = folder.file("gi.cache");
     assert_done(folder.bake("left.ron", &[]));
     let kept = fs::read(&cache).unwrap();
-    for place in [40, 70, 100, kept.len() / 2, kept.len() - 1] {
+    for byte in [40, 70, 100, kept.len() / 2, kept.len() - 1] {
         let mut flipped = kept.clone();
-        flipped[place] ^= 0x10;
+        flipped[byte] ^= 0x10;
         fs::write(&cache, flipped).unwrap();
         assert_refused(folder.bake("left.ron", &[]), "is damaged");
-        fs::write(&cache, &kept[..place]).unwrap();
+        fs::write(&cache, &kept[..byte]).unwrap();
         assert_refused(folder.bake("left.ron", &[]), "is damaged");
     }
     assert_done(folder.bake("left.ron", &["--force"]));
     assert!(kept == fs::read(&cache).unwrap());
-    // What is no irradiance cache is never written over.
+    // A file that is no irradiance cache is never overwritten.
     for text in ["", "Dear diary"] {
         fs::write(&cache, text).unwrap();
         for more in [&[][..], &["--force"]] {
@@ -170,11 +171,11 @@ fn damage_is_found() {
 }
 
 #[test]
-fn a_file_that_cannot_be_written_is_known_before_the_work() {
+fn a_file_that_cannot_be_written_is_refused_before_the_work() {
     let folder = Folder::new();
     let nowhere = folder.text("nowhere/gi.cache");
-    let said = run("bake", &folder.file("left.ron"), &["--out", &nowhere]);
-    assert_refused(said, "cannot be written");
+    let printed = run("bake", &folder.file("left.ron"), &["--out", &nowhere]);
+    assert_refused(printed, "cannot be written");
     let more = ["--gi", "path-traced", "--gi-cache", &nowhere];
     let out = folder.text("frames");
     let render = [&["--out", &out][..], &more].concat();

@@ -1,4 +1,4 @@
-//! Sequences of frames: the same bytes however they are made, and nothing lost whatever happens.
+//! Sequences of frames: determinism, faults, verification, estimated errors, contact sheets and videos.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 #[path = "../support/mod.rs"]

@@ -1,4 +1,4 @@
-//! The points that two frames show, beside what is known.
+//! Reprojection of one frame onto another, against known geometry.
 
 use crate::support::*;
 use flythrough::camera::Camera;
@@ -14,14 +14,14 @@ fn reprojection(scene: &Scene, from: &Camera, to: &Camera) -> Reprojection {
     Reprojection::new(scene, from, to, WIDTH, HEIGHT)
 }
 
-/// Root of the mean square of a picture's channels about `mean`.
+/// The root mean square deviation of the channels from `mean`.
 fn deviation(pixels: &[Vec3], mean: Vec3) -> f32 {
     let squares: f32 = pixels.iter().map(|p| p.distance_squared(mean)).sum();
     (squares / (3 * pixels.len()) as f32).sqrt()
 }
 
 #[test]
-fn a_lit_plane_leaves_nothing() {
+fn a_lit_plane_has_no_residual() {
     let scene = scene(
         "Scene(
             materials: {
@@ -72,8 +72,8 @@ fn what_a_sphere_hides_is_not_matched() {
     let size = DVec2::new(WIDTH.into(), HEIGHT.into());
     let rays = to.rays(size, DVec3::ZERO);
     let pixel = 2.0 * from.half_height / size.y;
-    // How far the line from an eye to a point passes the sphere's centre.
-    let passes = |eye: DVec3, point: DVec3| {
+    // The distance of the sphere's centre from the line through an eye and a point.
+    let line_distance = |eye: DVec3, point: DVec3| {
         let direction = (point - eye).normalize();
         (center - eye).cross(direction).length()
     };
@@ -82,30 +82,30 @@ fn what_a_sphere_hides_is_not_matched() {
         let (x, y) = (number as u32 % WIDTH, number as u32 / WIDTH);
         let ray = rays.through(DVec2::new(x.into(), y.into()) + 0.5);
         let wall = ray.at(f64::from(-ray.origin.z / ray.direction.z));
-        let of = reprojection.matches().iter().find(|of| of.pixel == number);
-        if passes(to.position, wall) < radius {
-            of_sphere[usize::from(of.is_some())] += 1;
+        let found = reprojection.matches().iter().find(|of| of.pixel == number);
+        if line_distance(to.position, wall) < radius {
+            of_sphere[usize::from(found.is_some())] += 1;
             continue;
         }
-        // How far from the sphere's outline the wall is seen, in pixels.
-        let margin = (passes(from.position, wall) - radius) / (4.0 * pixel);
+        // How far from the sphere's outline the other camera sees the wall, in pixels.
+        let margin = (line_distance(from.position, wall) - radius) / (4.0 * pixel);
         let film = from.project(size, wall).unwrap();
         let inside = film.cmpge(DVec2::splat(0.501)).all() && film.cmple(size - 0.501).all();
         if margin < 0.0 {
-            assert_eq!(of, None);
+            assert_eq!(found, None);
             hidden += 1;
         } else if margin > 1.5 && inside {
-            assert!((of.unwrap().position + 0.5 - film).length() < 1e-3);
+            assert!((found.unwrap().position + 0.5 - film).length() < 1e-3);
             seen += 1;
         }
     }
     assert!(hidden > 100 && seen > 3000);
-    // Seen from the other eye, a part of the sphere is behind its outline.
+    // A part of the sphere is hidden from the other eye.
     assert!(of_sphere[1] > 5 * of_sphere[0], "{of_sphere:?}");
 }
 
 #[test]
-fn the_other_side_is_another_surface() {
+fn opposite_sides_of_a_surface_do_not_match() {
     let text = format!("Scene({GREY} objects: [{}])", plate(0.0, 9.0, "grey"));
     let plate = scene(&text);
     let above = camera(DVec3::new(0.0, 2.0, 3.0), DVec3::ZERO, 40.0);
@@ -131,12 +131,12 @@ fn any_number_of_threads_gives_the_same() {
 }
 
 #[test]
-fn nothing_in_common_is_no_fault() {
+fn frames_without_matches_do_not_flicker() {
     let room = shipped_scene("test3.ron");
     let nothing = scene("Scene(objects: [])");
     let at = |x, y, z| camera(DVec3::new(x, y, z), DVec3::new(x + 1.0, y, z), 60.0);
     let back = camera(DVec3::ZERO, -DVec3::X, 60.0);
-    // In the midst of a wall, of the mirror sphere, and of nothing.
+    // On a wall, within the mirror sphere, and in free space.
     let cameras = [
         at(-1.0, 0.0, 0.0),
         at(0.35, -0.5, -0.2),

@@ -1,6 +1,6 @@
-//! Contact sheets and previews: what a sequence shows, at a glance and before it is paid for.
+//! Contact sheets and previews of a sequence.
 
-use crate::support::project::{ALL, KEYS, Project, changes, keys};
+use crate::support::project::{ALL, KEYS, Project, frame_inodes, keys};
 use crate::support::*;
 use flythrough::math::color::srgb_to_linear;
 use glam::Vec3;
@@ -47,14 +47,14 @@ struct Rectangle {
     height: u32,
 }
 
-/// What is on a sheet, row by row: rectangles without a pixel of the ground, wider than any letter.
+/// The tiles of a sheet, row by row: rectangles without a background pixel, wider than any letter.
 fn tiles(sheet: &RgbImage) -> Vec<Rectangle> {
-    let ground = *sheet.get_pixel(0, 0);
+    let background = *sheet.get_pixel(0, 0);
     let mut tiles: Vec<Rectangle> = Vec::new();
     for y in 0..sheet.height() {
         let mut left = 0;
         for x in 0..=sheet.width() {
-            if x < sheet.width() && *sheet.get_pixel(x, y) != ground {
+            if x < sheet.width() && *sheet.get_pixel(x, y) != background {
                 continue;
             }
             let width = x - left;
@@ -77,7 +77,7 @@ fn tiles(sheet: &RgbImage) -> Vec<Rectangle> {
     tiles
 }
 
-/// The mean light of a part of a picture.
+/// The mean linear colour of a part of a picture.
 fn mean(picture: &RgbImage, part: Rectangle) -> Vec3 {
     let linear = |code: u8| srgb_to_linear(f32::from(code) / 255.0);
     let mut sum = Vec3::ZERO;
@@ -118,7 +118,7 @@ fn tiles_show_frames_spread_over_the_path() {
         for (tile, frame) in tiles.into_iter().zip(shown) {
             assert_eq!((tile.width, tile.height), (240, 120));
             let error = (mean(&sheet, tile) - light[frame]).abs().max_element();
-            // A fifth of what one frame differs from the next by.
+            // A fifth of the difference from one frame to the next.
             assert!(error < 0.003, "{frame}: {error}");
         }
     }
@@ -144,43 +144,43 @@ fn frames_of_all_formats_look_the_same() {
 }
 
 #[test]
-fn what_is_no_whole_frame_leaves_its_place_empty() {
+fn missing_and_damaged_frames_have_empty_tiles() {
     let (_folder, out) = rendered(&[]);
     let whole = sheet(&out, &[]);
     let tiles = tiles(&whole);
     fs::remove_file(out.join("frame_00000.png")).unwrap();
-    let cut = out.join("frame_00040.png");
-    let bytes = fs::read(&cut).unwrap();
-    fs::write(&cut, &bytes[..bytes.len() / 2]).unwrap();
+    let truncated = out.join("frame_00040.png");
+    let bytes = fs::read(&truncated).unwrap();
+    fs::write(&truncated, &bytes[..bytes.len() / 2]).unwrap();
     let before = frames(&out);
-    let harmed = sheet(&out, &[]);
+    let damaged = sheet(&out, &[]);
     assert_eq!(frames(&out), before);
-    assert_eq!(harmed.dimensions(), whole.dimensions());
-    let harmed_tiles = [tiles[0], tiles[29]];
-    for (x, y, pixel) in harmed.enumerate_pixels() {
+    assert_eq!(damaged.dimensions(), whole.dimensions());
+    let damaged_tiles = [tiles[0], tiles[29]];
+    for (x, y, pixel) in damaged.enumerate_pixels() {
         let inside = |tile: &Rectangle| {
             (tile.left..tile.left + tile.width).contains(&x)
                 && (tile.top..tile.top + tile.height).contains(&y)
         };
         let is_same = pixel == whole.get_pixel(x, y);
-        assert!(is_same || harmed_tiles.iter().any(inside), "{x} {y}");
+        assert!(is_same || damaged_tiles.iter().any(inside), "{x} {y}");
     }
-    for tile in harmed_tiles {
-        let corner = *harmed.get_pixel(tile.left, tile.top);
-        assert_ne!(corner, *harmed.get_pixel(0, 0));
+    for tile in damaged_tiles {
+        let corner = *damaged.get_pixel(tile.left, tile.top);
+        assert_ne!(corner, *damaged.get_pixel(0, 0));
         let pixels = (0..tile.width * tile.height)
-            .map(|i| *harmed.get_pixel(tile.left + i % tile.width, tile.top + i / tile.width));
+            .map(|i| *damaged.get_pixel(tile.left + i % tile.width, tile.top + i / tile.width));
         let letters = pixels.filter(|pixel: &Rgb<u8>| *pixel != corner).count();
         assert!((100..3000).contains(&letters), "{letters}");
     }
-    // The sheet is no frame.
+    // `verify` does not take the sheet for a frame.
     let verified = flythrough(&["verify", out.to_str().unwrap()]);
-    let said = String::from_utf8(verified.stdout).unwrap();
-    assert_eq!(said.lines().count(), 3, "{said}");
+    let printed = String::from_utf8(verified.stdout).unwrap();
+    assert_eq!(printed.lines().count(), 3, "{printed}");
 }
 
 #[test]
-fn sheets_are_of_folders_of_frames_and_take_no_place_of_theirs() {
+fn sheets_need_a_folder_of_frames_and_replace_none_of_its_files() {
     let nothing = tempfile::tempdir().unwrap();
     let output = flythrough(&["sheet", nothing.path().to_str().unwrap()]);
     assert_eq!(output.status.code(), Some(2));
@@ -229,14 +229,14 @@ fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     files
 }
 
-const COSTLY: &str =
+const COSTLY_SETTINGS: &str =
     "settings: (mode: \"montecarlo-supersampling\", size: (640, 480), samples: 3, splits: [2, 1],
     gi: \"cached\", target_error: 0.5, bounces: 2),";
 
-/// A project whose path sets all that a preview leaves out.
-fn costly() -> Project {
+/// A project whose path sets everything that a preview ignores.
+fn costly_project() -> Project {
     let project = Project::new();
-    let path = keys(&KEYS).replace("keyframes", &format!("{COSTLY} keyframes"));
+    let path = keys(&KEYS).replace("keyframes", &format!("{COSTLY_SETTINGS} keyframes"));
     project.write("p.ron", path.as_bytes());
     project
 }
@@ -251,17 +251,17 @@ fn status(command: &str, folder: &Path) -> (Option<i32>, String) {
 
 #[test]
 fn a_preview_is_small_and_ray_traced_and_leaves_frames_alone() {
-    let project = costly();
+    let project = costly_project();
     assert_eq!(project.render(&["--frames", "0-4"]), [0, 1, 2, 3, 4]);
     let finished = files(&project.out());
     let preview = project.out().join("preview");
     let output = project.run("render", &["--preview"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let said = String::from_utf8(output.stdout).unwrap();
+    let printed = String::from_utf8(output.stdout).unwrap();
     let sheet = preview.join("sheet.png");
     assert!(
-        said.contains(&format!("contact sheet: {}", sheet.display())),
-        "{said}"
+        printed.contains(&format!("contact sheet: {}", sheet.display())),
+        "{printed}"
     );
     assert_eq!(
         tiles(&image::open(&sheet).unwrap().into_rgb8()).len(),
@@ -269,7 +269,7 @@ fn a_preview_is_small_and_ray_traced_and_leaves_frames_alone() {
     );
     assert_eq!(files(&project.out()), finished);
 
-    // The same by flags, where no file says otherwise.
+    // The same by flags, without settings in the files.
     let plain = Project::new();
     plain.render(&[
         "--size",
@@ -284,9 +284,9 @@ fn a_preview_is_small_and_ray_traced_and_leaves_frames_alone() {
     assert_eq!(status("verify", &preview).0, Some(0));
     assert_eq!(status("audit", &preview).0, Some(0));
     assert_eq!(status("missing", &preview), (Some(0), String::new()));
-    let there = changes(&preview);
+    let inodes = frame_inodes(&preview);
     project.run("render", &["--preview"]);
-    assert_eq!(changes(&preview), there);
+    assert_eq!(frame_inodes(&preview), inodes);
 
     fs::remove_file(preview.join("frame_00003.png")).unwrap();
     assert_eq!(status("missing", &preview), (Some(0), "3\n".to_owned()));
@@ -295,21 +295,21 @@ fn a_preview_is_small_and_ray_traced_and_leaves_frames_alone() {
     let of_one = image::open(&sheet).unwrap().into_rgb8();
     assert_eq!(tiles(&of_one).len(), 1);
 
-    // What the preview was made from is read again as a preview.
-    let moved =
-        keys(&[KEYS[0], KEYS[1], (2.0, 0.4)]).replace("keyframes", &format!("{COSTLY} keyframes"));
+    // `verify` reads the inputs of a preview with the settings of a preview.
+    let moved = keys(&[KEYS[0], KEYS[1], (2.0, 0.4)])
+        .replace("keyframes", &format!("{COSTLY_SETTINGS} keyframes"));
     project.write("p.ron", moved.as_bytes());
-    let (code, said) = status("verify", &preview);
+    let (code, printed) = status("verify", &preview);
     assert_eq!(
-        (code, said.matches(": stale").count()),
+        (code, printed.matches(": stale").count()),
         (Some(3), 4),
-        "{said}"
+        "{printed}"
     );
 }
 
 #[test]
-fn a_preview_takes_no_settings_and_no_place_of_finished_frames() {
-    let project = costly();
+fn a_preview_takes_no_settings_and_replaces_no_finished_frames() {
+    let project = costly_project();
     for more in [
         &["--mode", "montecarlo"][..],
         &["--size", "64x48"],

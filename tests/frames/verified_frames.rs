@@ -1,4 +1,4 @@
-//! Existing frames are verified, and the rest is rendered again: nothing less, nothing more.
+//! Existing frames are verified; missing, damaged and stale ones, and no others, are rendered again.
 
 use crate::support::project::{ALL, KEYS, Project, SCENE, keys};
 use crate::support::*;
@@ -42,12 +42,12 @@ fn an_edit_makes_the_right_frames_stale() {
             |p| p.write("s.ron", SCENE.replace("0.5, m", "0.4, m").as_bytes()),
             &ALL,
         ),
-        ("texture", |p| p.picture(91), &ALL),
+        ("texture", |p| p.write_texture(91), &ALL),
         (
-            "texture, its name",
+            "texture that no scene names",
             |p| {
                 fs::rename(p.folder.path().join("t.png"), p.folder.path().join("u.png")).unwrap();
-                p.picture(91);
+                p.write_texture(91);
             },
             &none,
         ),
@@ -57,7 +57,7 @@ fn an_edit_makes_the_right_frames_stale() {
             &ALL,
         ),
         (
-            "what no scene names",
+            "model that no scene names",
             |p| p.write("other.obj", b"v 1 2 3"),
             &none,
         ),
@@ -76,7 +76,7 @@ fn an_edit_makes_the_right_frames_stale() {
             &[5, 6, 7, 8],
         ),
         (
-            "one key more",
+            "added key",
             |p| {
                 p.write(
                     "p.ron",
@@ -98,30 +98,33 @@ fn an_edit_makes_the_right_frames_stale() {
     ];
     for (what, edit, stale) in edits {
         edit(&project);
-        let (status, said) = project.verify();
+        let (status, printed) = project.verify();
         let number = stale.iter().filter(|frame| **frame < 9).count();
         assert_eq!(
             status,
             Some(if stale.is_empty() { 0 } else { 3 }),
-            "{what}: {said}"
+            "{what}: {printed}"
         );
-        assert!(said.matches(": stale").count() >= number, "{what}: {said}");
+        assert!(
+            printed.matches(": stale").count() >= number,
+            "{what}: {printed}"
+        );
         assert_eq!(project.render(&[]), stale, "{what}");
         assert_eq!(project.verify().0, Some(0), "{what}");
     }
 }
 
-/// It is not enough that the same files are there.
+/// The set of files stays the same.
 #[test]
-fn pictures_that_change_places_make_frames_stale() {
+fn swapped_textures_make_frames_stale() {
     let project = Project::new();
     let materials = "materials: {\"other\": (texture: \"u.png\"), \"photo\"";
     let scene = SCENE.replace("materials: {\"photo\"", materials);
     project.write("s.ron", scene.as_bytes());
-    project.picture(30);
+    project.write_texture(30);
     let name = |name: &str| project.folder.path().join(name);
     fs::rename(name("t.png"), name("u.png")).unwrap();
-    project.picture(90);
+    project.write_texture(90);
     assert_eq!(project.render(&[]), ALL);
     for (from, to) in [("t.png", "swap"), ("u.png", "t.png"), ("swap", "u.png")] {
         fs::rename(name(from), name(to)).unwrap();
@@ -131,35 +134,7 @@ fn pictures_that_change_places_make_frames_stale() {
 }
 
 #[test]
-fn settings_that_decide_pixels_make_frames_stale_and_others_do_not() {
-    let project = Project::new();
-    assert_eq!(project.render(&[]), ALL);
-    for more in [
-        &["--threads", "1"][..],
-        &["--order", "coarse-to-fine"],
-        &["--quiet"],
-        &["--progress", "openjd"],
-        &["--mode", "raytracing"],
-        &["--bounces", "4"],
-    ] {
-        assert!(project.render(more).is_empty(), "{more:?}");
-    }
-    for more in [
-        &["--bounces", "3"][..],
-        &["--samples", "2"],
-        &["--seed", "1"],
-        &["--exposure", "1"],
-        &["--mode", "supersampling"],
-        &["--format", "png16"],
-        &["--size", "17x12"],
-    ] {
-        assert_eq!(project.render(more), ALL, "{more:?}");
-        assert_eq!(project.verify().0, Some(0), "{more:?}");
-    }
-}
-
-#[test]
-fn what_is_wrong_with_a_frame_is_said_and_mended() {
+fn damage_to_frames_is_named_and_repaired() {
     let project = Project::new();
     project.render(&[]);
     let once = frames(&project.out());
@@ -176,7 +151,7 @@ fn what_is_wrong_with_a_frame_is_said_and_mended() {
     fs::copy(project.file(0), project.file(5)).unwrap();
     fs::remove_file(project.file(6)).unwrap();
     image::RgbImage::new(16, 12).save(project.file(7)).unwrap();
-    let (status, said) = project.verify();
+    let (status, printed) = project.verify();
     assert_eq!(status, Some(3));
     let expected = "\
 frame_00001.png: cut short or damaged: CRC error
@@ -187,10 +162,10 @@ frame_00005.png: is frame 0 under another name
 frame_00006.png: missing
 frame_00007.png: holds no whole record of flythrough
 2 of 9 frames are verified: ";
-    for (line, expected) in said.lines().zip(expected.lines()) {
+    for (line, expected) in printed.lines().zip(expected.lines()) {
         assert!(line.starts_with(expected), "{line}: {expected}");
     }
-    assert_eq!(said.lines().count(), 8);
+    assert_eq!(printed.lines().count(), 8);
     assert_eq!(project.missing(&[]), "1\n2\n3\n4\n5\n6\n7\n");
     assert_eq!(project.missing(&["--format", "openjd"]), "1-7\n");
     assert_eq!(
@@ -210,16 +185,16 @@ frame_00007.png: holds no whole record of flythrough
         .unwrap();
     drop(unread.stdout.take());
     assert_eq!(unread.wait().unwrap().code(), Some(3));
-    let (status, said) = project.verify();
+    let (status, printed) = project.verify();
     assert_eq!(status, Some(3));
     assert!(
-        said.starts_with("frame_00009.png: no frame of the sequence"),
-        "{said}"
+        printed.starts_with("frame_00009.png: no frame of the sequence"),
+        "{printed}"
     );
 }
 
 #[test]
-fn the_manifest_is_made_anew_of_the_frames_and_the_plan_of_the_inputs() {
+fn a_lost_manifest_or_sequence_record_is_written_again() {
     let project = Project::new();
     project.render(&[]);
     for name in ["manifest.ron", "sequence.ron"] {
@@ -241,7 +216,7 @@ fn the_manifest_is_made_anew_of_the_frames_and_the_plan_of_the_inputs() {
 }
 
 #[test]
-fn a_prepared_folder_knows_what_it_lacks() {
+fn a_prepared_folder_lists_its_missing_frames() {
     let project = Project::new();
     assert!(project.render(&["--prepare", "sequence"]).is_empty());
     assert_eq!(project.missing(&["--format", "openjd"]), "0-8\n");
@@ -249,7 +224,7 @@ fn a_prepared_folder_knows_what_it_lacks() {
     assert_eq!(project.missing(&["--format", "openjd"]), "0-1,4-8\n");
     project.render(&[]);
     assert_eq!(project.missing(&[]), "");
-    project.picture(7);
+    project.write_texture(7);
     assert_eq!(project.missing(&[]), "");
     fs::remove_file(project.folder.path().join("s.ron")).unwrap();
     let output = flythrough(&["verify", project.out().to_str().unwrap()]);
@@ -264,7 +239,7 @@ fn a_prepared_folder_knows_what_it_lacks() {
     assert_eq!(project.missing(&["--format", "openjd"]), "0-8\n");
 }
 
-/// Runs share the irradiance cache that is kept beside the frames.
+/// Runs share that cache.
 #[test]
 fn the_irradiance_cache_is_kept_beside_the_frames() {
     let project = Project::new();
@@ -274,28 +249,28 @@ fn the_irradiance_cache_is_kept_beside_the_frames() {
             .render(&[&more[..], &["--prepare", "cache"]].concat())
             .is_empty()
     );
-    let light = project.out().join("irradiance.cache");
-    let kept = fs::metadata(&light).unwrap().modified().unwrap();
+    let cache = project.out().join("irradiance.cache");
+    let kept = fs::metadata(&cache).unwrap().modified().unwrap();
     assert_eq!(
         project.render(&[&more[..], &["--frames", "3"]].concat()),
         [3]
     );
-    assert_eq!(fs::metadata(&light).unwrap().modified().unwrap(), kept);
+    assert_eq!(fs::metadata(&cache).unwrap().modified().unwrap(), kept);
     let once = fs::read(project.file(3)).unwrap();
-    fs::write(&light, "damaged").unwrap();
+    fs::write(&cache, "damaged").unwrap();
     assert_eq!(
         project.render(&[&more[..], &["--frames", "3", "--force"]].concat()),
         [3]
     );
     assert_eq!(fs::read(project.file(3)).unwrap(), once);
-    // The light of another path is no part of it.
+    // Another path's records are not part of it.
     project.write("p.ron", keys(&[(0.0, 0.1), (2.0, -0.3)]).as_bytes());
     project.render(&more);
     project.write("p.ron", keys(&KEYS).as_bytes());
     assert_eq!(project.render(&more), ALL);
     assert_eq!(fs::read(project.file(3)).unwrap(), once);
-    // Where no frame is missing, no cache is needed.
-    fs::remove_file(&light).unwrap();
+    // Without missing frames no cache is needed.
+    fs::remove_file(&cache).unwrap();
     assert!(project.render(&more).is_empty());
-    assert!(!light.exists());
+    assert!(!cache.exists());
 }

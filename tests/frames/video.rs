@@ -1,4 +1,4 @@
-//! Videos of frames: right, or refused. Needs ffmpeg.
+//! Videos of frames: complete and of the right colours, or refused. Needs ffmpeg.
 
 use crate::support::*;
 use std::fs;
@@ -14,7 +14,7 @@ fn make_video(frames: &Path, video: &Path) -> Output {
         .unwrap()
 }
 
-/// Twelve frames of an odd size: a room, or what is left and right of the middle, each of one colour.
+/// Twelve frames with an odd width and height.
 fn rendered(scene: &str) -> tempfile::TempDir {
     rendered_with(scene, &["--size", "61x41"])
 }
@@ -40,7 +40,7 @@ fn rendered_with(scene: &str, more: &[&str]) -> tempfile::TempDir {
 const ROOM: &str = "scenes/test3.ron";
 
 #[test]
-fn a_video_has_every_frame_and_says_its_colours() {
+fn a_video_has_every_frame_and_its_colour_space() {
     let folder = rendered(ROOM);
     let video = folder.path().join("v.mp4");
     let output = make_video(&folder.path().join("frames"), &video);
@@ -60,7 +60,7 @@ fn a_video_has_every_frame_and_says_its_colours() {
         .arg(&video)
         .output()
         .unwrap();
-    let said = String::from_utf8(probe.stdout).unwrap();
+    let printed = String::from_utf8(probe.stdout).unwrap();
     for expected in [
         "width=62",
         "height=42",
@@ -73,8 +73,8 @@ fn a_video_has_every_frame_and_says_its_colours() {
         "color_range=tv",
     ] {
         assert!(
-            said.lines().any(|line| line == expected),
-            "{expected}: {said}"
+            printed.lines().any(|line| line == expected),
+            "{expected}: {printed}"
         );
     }
 }
@@ -85,13 +85,16 @@ fn a_preview_makes_a_video() {
     let video = folder.path().join("v.mp4");
     let output = make_video(&folder.path().join("frames/preview"), &video);
     assert!(output.status.success(), "{}", stderr(&output));
-    let said = String::from_utf8(output.stdout).unwrap();
-    assert!(said.contains("12 frames at 12.0 per second"), "{said}");
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        printed.contains("12 frames at 12.0 per second"),
+        "{printed}"
+    );
 }
 
-/// The first frame, decoded as a player would, has the colours of the PNG.
+/// The first frame, decoded as by a player, has the colours of the PNG file.
 #[test]
-fn colours_survive() {
+fn colours_are_those_of_the_frames() {
     let scene = tempfile::tempdir().unwrap();
     let file = scene.path().join("s.ron");
     let linear = |codes: [u8; 3]| {
@@ -129,16 +132,20 @@ fn colours_survive() {
         .unwrap();
     let at = |x: usize| &decoded.stdout[3 * (20 * 62 + x)..][..3];
     for (x, expected) in [(10, [220_u8, 30, 40]), (50, [20, 160, 60])] {
-        for (&got, want) in at(x).iter().zip(expected) {
-            assert!(got.abs_diff(want) <= 4, "{:?} for {expected:?}", at(x));
+        for (&code, expected_code) in at(x).iter().zip(expected) {
+            assert!(
+                code.abs_diff(expected_code) <= 4,
+                "{:?} for {expected:?}",
+                at(x)
+            );
         }
     }
 }
 
 #[test]
 fn gaps_short_sequences_and_damaged_frames_are_refused() {
-    type Harm = fn(&Path);
-    let damage: [(&str, Harm); 6] = [
+    type Damage = fn(&Path);
+    let cases: [(&str, Damage); 6] = [
         ("frame_00007.png: missing", |f| {
             fs::remove_file(f.join("frame_00007.png")).unwrap()
         }),
@@ -166,13 +173,13 @@ fn gaps_short_sequences_and_damaged_frames_are_refused() {
         ),
     ];
     let whole = rendered(ROOM);
-    for (expected, harm) in damage {
+    for (expected, damage) in cases {
         let folder = tempfile::tempdir().unwrap();
         for entry in fs::read_dir(whole.path().join("frames")).unwrap() {
             let entry = entry.unwrap();
             fs::copy(entry.path(), folder.path().join(entry.file_name())).unwrap();
         }
-        harm(folder.path());
+        damage(folder.path());
         let video = folder.path().join("v.mp4");
         let output = make_video(folder.path(), &video);
         assert_eq!(output.status.code(), Some(3), "{expected}");

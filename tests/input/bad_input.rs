@@ -1,4 +1,4 @@
-//! Wrong input files: each is refused with its place and what to do, or said in a warning.
+//! Wrong scenes and camera paths: each is refused with its location and what to do.
 
 use crate::support::*;
 

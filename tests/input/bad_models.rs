@@ -1,4 +1,4 @@
-//! Wrong models, material libraries and images: each is refused with its place, or said in a warning.
+//! Wrong models, material libraries and images: each is refused with its location, or reported in a warning.
 
 use crate::support::*;
 use std::io::Cursor;
@@ -66,7 +66,7 @@ fn models() {
 }
 
 #[test]
-fn models_that_grow_too_far() {
+fn models_that_are_scaled_too_far() {
     let obj = format!("{TRIANGLE}f 1 2 3\n");
     let scene = "Scene(objects: [model(file: \"m.obj\", scale: (1e10, 1, 1),
         translation: (0, 1e15, 0))])";
@@ -77,7 +77,7 @@ fn models_that_grow_too_far() {
 }
 
 #[test]
-fn oddities_are_said_and_do_not_stop() {
+fn what_is_ignored_or_dropped_is_a_warning() {
     let obj = "# L\u{f6}wen\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nl 1 2 3\nf 1 2\n";
     let latin1: Vec<u8> = obj.chars().map(|c| c as u8).collect();
     let scene = "Scene(materials: {\"m\": ()}, objects: [
@@ -115,23 +115,23 @@ fn images() {
     for format in [Png, Jpeg, Bmp, Tga] {
         let name = format!("t.{}", format.extensions_str()[0]);
         let scene = TEXTURED.replace("t.png", &name);
-        let whole = picture(format);
+        let valid = picture(format);
         let of = |bytes: &[u8]| check(&scene, &path(KEY), &[(&name, bytes)]);
-        assert_eq!(of(&whole).0, Some(0), "{name}");
-        // A film after the picture, as some cameras put it there.
-        let trailer = [&whole[..], &[0xff, 0xda, 0, 2, 7]].concat();
+        assert_eq!(of(&valid).0, Some(0), "{name}");
+        // A video after the picture, as some cameras append it.
+        let trailer = [&valid[..], &[0xff, 0xda, 0, 2, 7]].concat();
         assert_eq!(of(&trailer).0, Some(0), "{name}");
-        for share in [0, 1, 10, 50, 90, 99] {
-            let (status, message) = of(&whole[..whole.len() * share / 100]);
-            assert_eq!(status, Some(2), "{name}: {share} per cent: {message}");
+        for percent in [0, 1, 10, 50, 90, 99] {
+            let (status, message) = of(&valid[..valid.len() * percent / 100]);
+            assert_eq!(status, Some(2), "{name}: {percent} %: {message}");
             assert!(
                 message.contains("cannot be decoded as an image"),
                 "{message}"
             );
         }
-        // A name that says another format; TGA files do not say what they are.
+        // A file name of another format. Only TGA files cannot be recognised by their contents.
         if format != Tga {
-            let (status, message) = check(TEXTURED, &path(KEY), &[("t.png", &whole)]);
+            let (status, message) = check(TEXTURED, &path(KEY), &[("t.png", &valid)]);
             assert_eq!(status, Some(0), "{message}");
         }
     }
@@ -149,7 +149,7 @@ fn images() {
 
 #[test]
 fn images_that_claim_to_be_huge() {
-    // What a BMP's header says of its size stands at byte 18; no check sum guards it.
+    // The size in the header of a BMP file is at byte 18, without a checksum.
     let mut bmp = picture(image::ImageFormat::Bmp);
     bmp[18..22].copy_from_slice(&65_535_u32.to_le_bytes());
     bmp[22..26].copy_from_slice(&65_535_u32.to_le_bytes());

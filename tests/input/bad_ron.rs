@@ -1,8 +1,8 @@
-//! Scene and camera path files of broken syntax, and numbers of every kind in them.
+//! Scene and camera path files with broken syntax, and with numbers of every kind.
 
 use crate::support::*;
 
-/// Text that is not of the syntax at all, in place of a scene and of a path.
+/// Text of broken syntax, in place of a scene and of a path.
 #[test]
 fn broken_text() {
     let deep = |opening: &str| opening.repeat(100_000);
@@ -34,11 +34,11 @@ fn broken_text() {
     ];
     let empty = "Scene(objects: [])";
     for (bytes, expected) in cases {
-        for (name, whole) in [("Scene", empty), ("CameraPath", &path(KEY))] {
-            // Only text without them is not UTF-8.
+        for (name, valid) in [("Scene", empty), ("CameraPath", &path(KEY))] {
+            // Bytes that are not UTF-8 are refused whatever they name.
             let bytes = match String::from_utf8(bytes.clone()) {
                 Ok(text) => text
-                    .replace("FILE", whole)
+                    .replace("FILE", valid)
                     .replace("NAME", name)
                     .into_bytes(),
                 Err(_) => bytes.clone(),
@@ -64,7 +64,7 @@ fn broken_text() {
     assert_eq!(check(&marked, &path(KEY), &[]).0, Some(0));
 }
 
-/// Numbers of every kind, wherever numbers stand.
+/// Numbers of every kind, in fields of every kind.
 #[test]
 fn numbers() {
     let sphere = "objects: [sphere(radius: R, material: \"m\")], materials: {\"m\": ()}";
@@ -137,19 +137,20 @@ fn numbers() {
             &["4294967295"],
         ),
     ];
-    // Which of the numbers are refused, in a scene and a path that hold one, and in which file.
-    let judge = |[wrong, right]: [&[&str]; 2], file: &str, with: &dyn Fn(&str) -> [String; 2]| {
-        for (numbers, expected) in [(wrong, 2), (right, 0)] {
-            for number in numbers {
-                let [scene, path] = with(number);
-                let (status, message) = check(&scene, &path, &[]);
-                assert_eq!(status, Some(expected), "{scene} {path}: {message}");
-                assert!(expected == 0 || message.contains(file), "{message}");
+    // Checks which numbers are refused in a scene and a path made `with` each, and that the message names the file.
+    let check_numbers =
+        |[wrong, right]: [&[&str]; 2], file: &str, with: &dyn Fn(&str) -> [String; 2]| {
+            for (numbers, expected) in [(wrong, 2), (right, 0)] {
+                for number in numbers {
+                    let [scene, path] = with(number);
+                    let (status, message) = check(&scene, &path, &[]);
+                    assert_eq!(status, Some(expected), "{scene} {path}: {message}");
+                    assert!(expected == 0 || message.contains(file), "{message}");
+                }
             }
-        }
-    };
+        };
     for (text, wrong, right) in scenes {
-        judge([wrong, right], "s.ron:", &|number| {
+        check_numbers([wrong, right], "s.ron:", &|number| {
             let scene = format!("Scene({})", text.replace('R', number));
             [scene, path(KEY)]
         });
@@ -179,7 +180,7 @@ fn numbers() {
         ),
     ];
     for (text, wrong, right) in paths {
-        judge([wrong, right], "p.ron:", &|number| {
+        check_numbers([wrong, right], "p.ron:", &|number| {
             let start = text.trim_end_matches(|c: char| c.is_ascii_digit());
             let path = key.replace(text, &format!("{start}{number}"));
             ["Scene(objects: [])".to_owned(), path]

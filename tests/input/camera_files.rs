@@ -1,4 +1,4 @@
-//! Camera paths of other programs: files that they have written, and what is written for them.
+//! Camera paths of other programs: import of their files, and export for them.
 
 use crate::support::{root, shipped_path};
 use flythrough::camera::{Camera, FrameCameras};
@@ -44,12 +44,12 @@ fn difference(a: &[Camera], b: &[Camera]) -> f64 {
     assert_eq!(a.len(), b.len());
     let pairs = a.iter().zip(b);
     let differences = pairs.map(|(a, b)| {
-        let turned = (a.rotation - b.rotation).to_cols_array().map(f64::abs);
-        let turned = turned.into_iter().fold(0.0, f64::max);
+        let rotated = (a.rotation - b.rotation).to_cols_array().map(f64::abs);
+        let rotated = rotated.into_iter().fold(0.0, f64::max);
         let moved = (a.position - b.position).abs().max_element();
         let zoomed = (a.half_height - b.half_height).abs();
         assert!(a.rotation.is_finite() && a.position.is_finite() && zoomed.is_finite());
-        turned.max(moved).max(zoomed)
+        rotated.max(moved).max(zoomed)
     });
     differences.fold(0.0, f64::max)
 }
@@ -97,8 +97,8 @@ fn blenders_cameras_are_those_of_the_specification() {
     }
 }
 
-/// Blender's quaternions may have either sign. By the letter of the specification the camera would swing about by
-/// 140 degrees; what is left, 0.6 degrees, its exporter does to the tangents.
+/// Blender writes quaternions of either sign. Interpolated as they are, as the specification has it, the camera would
+/// swing by 140 degrees. The difference of 0.6 degrees that remains is in the tangents of its exporter.
 #[test]
 fn signs_of_quaternions_do_not_make_a_camera_swing() {
     let file = reference("cubicspline_flip.glb");
@@ -109,7 +109,7 @@ fn signs_of_quaternions_do_not_make_a_camera_swing() {
 }
 
 #[test]
-fn nerfstudios_frames_come_back() {
+fn nerfstudios_frames_survive_import_and_export() {
     for (name, count, fps, size, tolerance) in [
         ("nerfstudio.json", 240, 30.0, (1280, 720), 1e-12),
         ("nerfstudio_loop.json", 30, 30.0, (640, 480), 1e-12),
@@ -132,7 +132,7 @@ fn nerfstudios_frames_come_back() {
         assert!((path.fps - fps).abs() < 1e-12);
         let error = difference(&path.cameras, &expected);
         assert!(error < tolerance, "{name}: {error}");
-        // Out again, and in.
+        // Exported, and imported again.
         let keys = [(0.0, expected[0])];
         let text = export_cameras(CameraFormat::Nerfstudio, &path, &keys, size).unwrap();
         let error = difference(&imported(&text, None).cameras, &path.cameras);
@@ -140,9 +140,9 @@ fn nerfstudios_frames_come_back() {
     }
 }
 
-/// All that can be written of the shipped paths, and read again.
+/// The shipped paths in every format, read again.
 #[test]
-fn what_is_written_is_read() {
+fn exported_paths_are_read_again() {
     for name in [
         "gallery.ron",
         "translate_rotate.ron",
@@ -185,7 +185,7 @@ fn what_is_written_is_read() {
     }
 }
 
-/// Between frames in which a camera stands still, by keys that are stepped between, it jumps: wherever it does.
+/// With step interpolation the camera stands still and jumps. Each jump is a cut.
 #[test]
 fn steps_are_cuts() {
     let step = import_cameras(&reference("step.glb"), None, None).unwrap();
@@ -198,7 +198,7 @@ fn steps_are_cuts() {
         let smooth = import_cameras(&reference(name), None, None).unwrap();
         assert!(smooth.frames.cuts.is_empty(), "{name}");
     }
-    // What is stepped 24 times a second is a motion that stutters.
+    // Steps in each of 24 frames per second are a motion that stutters, not cuts.
     let path = FrameCameras::of(&shipped_path("zoom.ron"));
     let text = export_cameras(CameraFormat::Gltf, &path, &[], (1, 1)).unwrap();
     let stepped = String::from_utf8(text).unwrap().replace("LINEAR", "STEP");
@@ -207,7 +207,7 @@ fn steps_are_cuts() {
     }
 }
 
-/// In single precision frames that late are not told apart.
+/// In single precision such late frames have equal times.
 #[test]
 fn times_that_gltf_cannot_tell_apart_are_refused() {
     let mut late = FrameCameras::of(&shipped_path("zoom.ron"));
@@ -221,7 +221,7 @@ fn times_that_gltf_cannot_tell_apart_are_refused() {
         let written = export_cameras(CameraFormat::GltfBinary, &late, &[], (1, 1));
         let refusal = written.err().map(|error| error.to_string());
         assert_eq!(refusal.is_some(), is_refused, "{start}");
-        assert!(refusal.is_none_or(|said| said.contains("single precision")));
+        assert!(refusal.is_none_or(|printed| printed.contains("single precision")));
     }
 }
 
@@ -244,7 +244,7 @@ fn endless_animations_are_refused() {
     );
 }
 
-/// Of every file, cut anywhere and with any byte changed: refused or read, never a panic.
+/// Files that are truncated anywhere, or with any byte changed, are refused or read without a panic.
 #[test]
 fn no_damage_panics() {
     let folder = tempfile::tempdir().unwrap();
@@ -253,14 +253,14 @@ fn no_damage_panics() {
     for name in ["sampled.glb", "cubicspline.glb", "rig.gltf"] {
         let whole = std::fs::read(reference(name)).unwrap();
         let mut refused = 0;
-        for place in 0..whole.len() {
+        for position in 0..whole.len() {
             let mut bytes = whole.clone();
-            bytes[place] = match place % 3 {
+            bytes[position] = match position % 3 {
                 0 => b'9',
                 1 => b'-',
                 _ => 0xff,
             };
-            for bytes in [&whole[..place], &bytes] {
+            for bytes in [&whole[..position], &bytes] {
                 std::fs::write(&damaged, bytes).unwrap();
                 refused += u32::from(import_cameras(&damaged, None, None).is_err());
             }
@@ -281,7 +281,7 @@ fn refusals_say_what_is_wrong() {
     let frames = |fields: &str, frame: &str| {
         format!("{{{fields}, \"camera_path\": [{{\"camera_to_world\": {frame}}}]}}")
     };
-    let place = "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
+    let identity = "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
     let seconds = "\"seconds\": 1";
     for (text, expected) in [
         ("{}".to_owned(), "file: neither a camera_path.json"),
@@ -291,11 +291,11 @@ fn refusals_say_what_is_wrong() {
             "camera_path: has no frames",
         ),
         (
-            frames("\"a\": 1", &format!("{place}, \"fov\": 50")),
+            frames("\"a\": 1", &format!("{identity}, \"fov\": 50")),
             "seconds: is missing",
         ),
         (
-            frames(seconds, &format!("{place}, \"fov\": 180")),
+            frames(seconds, &format!("{identity}, \"fov\": 180")),
             "camera_path[0].fov: 180 degrees",
         ),
         (
@@ -309,14 +309,14 @@ fn refusals_say_what_is_wrong() {
         (
             frames(
                 "\"seconds\": 1, \"camera_type\": \"fisheye\"",
-                &format!("{place}, \"fov\": 50"),
+                &format!("{identity}, \"fov\": 50"),
             ),
             "camera_type: \"fisheye\"",
         ),
         (
             frames(
                 "\"seconds\": 1, \"render_width\": 99999, \"render_height\": 1",
-                &format!("{place}, \"fov\": 50"),
+                &format!("{identity}, \"fov\": 50"),
             ),
             "render_width, render_height: 99999 is not between 1 and 32768",
         ),
@@ -344,7 +344,7 @@ fn refusals_say_what_is_wrong() {
             "cameras: choose one by --camera: \"a\", \"b\"",
         ),
     ] {
-        let said = refusal(&text);
-        assert!(said.contains(expected), "{text}: {said}");
+        let message = refusal(&text);
+        assert!(message.contains(expected), "{text}: {message}");
     }
 }

@@ -1,4 +1,4 @@
-//! What the READMEs promise: examples load, links lead somewhere, the first page stays short.
+//! The READMEs: examples load, links resolve, the first page is short.
 //!
 //! A fence ```` ```ron ```` holds a whole scene or camera path file. A second word names the part of a file
 //! that a fragment belongs to, as in ```` ```ron objects ````: the fragments of one document make one scene,
@@ -25,7 +25,7 @@ fn read(document: &str) -> String {
     std::fs::read_to_string(root().join(document)).unwrap()
 }
 
-/// The fenced blocks of a document: what stands after the fence, and the lines inside.
+/// The fenced blocks of a document: the text after the opening fence, and the lines inside.
 fn fences(text: &str) -> Vec<(&str, String)> {
     let mut blocks = Vec::new();
     let mut lines = text.lines();
@@ -38,7 +38,7 @@ fn fences(text: &str) -> Vec<(&str, String)> {
     blocks
 }
 
-/// Loads a scene as if its file lay beside the shipped ones, and refuses warnings.
+/// Loads a scene as if its file were beside the shipped ones, and accepts no warnings.
 fn check_scene(text: &str, document: &str) {
     let folder = tempfile::tempdir().unwrap();
     for name in ["models", "textures"] {
@@ -129,7 +129,7 @@ fn anchors(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn links_between_documents_lead_somewhere() {
+fn links_between_documents_resolve() {
     for document in DOCUMENTS {
         let text = read(document);
         let targets = text.split("](").skip(1);
@@ -142,7 +142,7 @@ fn links_between_documents_lead_somewhere() {
                 "" => root().join(document),
                 _ => root().join(document).parent().unwrap().join(file),
             };
-            assert!(linked.exists(), "{document}: {target} leads nowhere");
+            assert!(linked.exists(), "{document}: {target} does not exist");
             if !anchor.is_empty() {
                 let headings = anchors(&std::fs::read_to_string(&linked).unwrap());
                 assert!(

@@ -1,10 +1,10 @@
-//! Scenes of the largest and the smallest numbers that are accepted: they render, to finite light.
+//! Scenes with the largest and the smallest numbers that are accepted: their radiance is finite.
 
 use crate::support::statistics::spread;
 use crate::support::*;
 use glam::DVec3;
 
-/// Renders the objects and lights in each way, seen from `eye`, and returns the brightest channel.
+/// Renders the objects and lights, seen from `eye`, in both kinds of mode; returns the brightest channel.
 fn brightest(text: &str, eye: DVec3, target: DVec3, degrees: f64) -> f32 {
     let scene = scene(&format!(
         "Scene(background: (0.1, 0.2, 0.3), ambient: (1, 1, 1), materials: {{
@@ -27,8 +27,8 @@ fn brightest(text: &str, eye: DVec3, target: DVec3, degrees: f64) -> f32 {
     brightest
 }
 
-/// The background: nothing else is seen.
-const NOTHING: f32 = 0.3;
+/// The brightest channel of the background.
+const BACKGROUND: f32 = 0.3;
 
 #[test]
 fn spheres() {
@@ -42,8 +42,8 @@ fn spheres() {
             );
             let eye = DVec3::Z * 3.0 * radius;
             let seen = brightest(&text, eye, DVec3::ZERO, 40.0);
-            assert!(material == "mirror" || seen > NOTHING, "{text}: {seen}");
-            // From inside, too.
+            assert!(material == "mirror" || seen > BACKGROUND, "{text}: {seen}");
+            // From inside it is enough that it renders.
             brightest(&text, eye * 0.1, DVec3::ZERO, 40.0);
         }
     }
@@ -51,15 +51,15 @@ fn spheres() {
 
 /// A plate of two triangles across the view.
 fn plate(size: f64, material: &str) -> String {
-    let half = |corners: &str| {
+    let triangle = |vertices: &str| {
         format!(
-            "triangle(vertices: [{corners}], scale: ({size:e}, {size:e}, {size:e}), {material})"
+            "triangle(vertices: [{vertices}], scale: ({size:e}, {size:e}, {size:e}), {material})"
         )
     };
     format!(
         "{}, {}",
-        half("(-1, -1, 0), (1, -1, 0), (1, 1, 0)"),
-        half("(-1, -1, 0), (1, 1, 0), (-1, 1, 0)")
+        triangle("(-1, -1, 0), (1, -1, 0), (1, 1, 0)"),
+        triangle("(-1, -1, 0), (1, 1, 0), (-1, 1, 0)")
     )
 }
 
@@ -78,14 +78,14 @@ fn triangles() {
                 plate(size, material)
             );
             let seen = brightest(&text, DVec3::Z * 3.0 * size, DVec3::ZERO, 30.0);
-            assert!(seen > NOTHING, "{text}: {seen}");
+            assert!(seen > BACKGROUND, "{text}: {seen}");
         }
     }
 }
 
 #[test]
 fn lights() {
-    let on = |lights: &str| {
+    let brightest_under = |lights: &str| {
         let text = format!(
             "objects: [{}], lights: [{lights}]",
             plate(2.0, "material: \"shiny\"")
@@ -95,14 +95,17 @@ fn lights() {
     let light = |z: f64, intensity: f64| {
         format!("(position: (0.1, 0, {z:e}), intensity: ({intensity:e}, 0, 1e-300))")
     };
-    // In the plate, at rounding's distance from it, near, far, and as far as may be.
+    // In the plate, within rounding of it, near, far, and as far as is accepted.
     for z in [0.0, 1e-300, 1e-15, 1e-8, 1e-4, 1.0, 1e8, 1e15] {
         for intensity in [0.0, 1e-300, 1e-40, 1.0, 1e15] {
-            on(&light(z, intensity));
+            brightest_under(&light(z, intensity));
         }
     }
-    assert!(on(&light(1.0, 1e15)) > 1e13);
-    assert!(on(&[light(1e-4, 1e15), light(1.0, 1e15), light(-1e-4, 1.0)].join(", ")) > 1e13);
+    assert!(brightest_under(&light(1.0, 1e15)) > 1e13);
+    assert!(
+        brightest_under(&[light(1e-4, 1e15), light(1.0, 1e15), light(-1e-4, 1.0)].join(", "))
+            > 1e13
+    );
 }
 
 #[test]
@@ -129,7 +132,7 @@ fn cameras() {
 }
 
 #[test]
-fn light_from_everywhere_that_is_as_bright_as_may_be() {
+fn ambient_light_and_background_of_extreme_brightness() {
     for (ambient, background) in [(1e15, 1e15), (1e-320, 1e-45), (1e15, 0.0)] {
         let scene = scene(&format!(
             "Scene(ambient: ({ambient:e}, 0, 1), background: (1, {background:e}, 0),

@@ -1,4 +1,4 @@
-//! What is read: scenes, camera paths, models and pictures, good, wrong and of extreme numbers.
+//! Input files: scenes, camera paths, models and images, valid, invalid and with extreme numbers.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 #[path = "../support/mod.rs"]

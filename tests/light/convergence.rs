@@ -1,4 +1,4 @@
-//! Random estimates: their means are right, and they converge as fast as theory says.
+//! Monte Carlo estimates are unbiased, and converge as fast as theory predicts.
 
 use crate::support::statistics::*;
 use crate::support::*;
@@ -14,12 +14,12 @@ use std::sync::LazyLock;
 
 const SIZE: [u32; 2] = [16, 12];
 
-/// Paths of each run that the reference is the mean of.
+/// Paths of each of the runs whose mean is the reference.
 fn reference_paths() -> u32 {
     scaled(512, 512, 2048)
 }
 
-/// Of the runs whose errors are measured.
+/// The seeds of the runs whose errors are measured.
 const SEEDS: Range<u32> = 0..16;
 
 /// A Cornell box with a mirror, and with a near light that guides a quarter of the diffuse rays.
@@ -47,7 +47,7 @@ static ROOM: LazyLock<Room> = LazyLock::new(|| {
     }
 });
 
-/// Without chance in where camera rays go.
+/// Settings whose camera rays go through pixel centres, so that only paths are random.
 fn centers(bounces: u32, splits: &[u32]) -> RenderSettings {
     settings(monte_carlo(bounces, splits), SIZE[0], SIZE[1])
 }
@@ -68,8 +68,8 @@ fn means(estimates: &[Estimate]) -> Vec<f64> {
     estimates.iter().map(|estimate| estimate.mean).collect()
 }
 
-/// 32 seeds rather than 8: before chance could be ruled out in 576 comparisons, an estimate with 7 degrees
-/// of freedom would have to be off by 10 standard errors, with 31 by 5.
+/// 32 seeds rather than 8: in 576 comparisons, noise alone is off by up to 10 standard errors with 7 degrees of
+/// freedom, but by 5 with 31.
 #[test]
 fn estimates_are_unbiased() {
     let Room {
@@ -88,16 +88,16 @@ fn estimates_are_unbiased() {
         };
         let four = agreement(4);
         assert!(four.holds(), "{splits:?}: {four:?}");
-        // What misses the light of the fourth bounce is found out.
+        // A missing bounce is detected.
         let three = agreement(3);
         assert!(!three.holds(), "{splits:?}: {three:?}");
     }
 }
 
-/// Samples whose numbers are independent, since each has a seed of its own, converge as 1/n. Sobol points
-/// do so, too, in what depends on several bounces at once, but faster in the rest.
+/// Independent samples, each with a seed of its own, converge as 1/n. Sobol points do so, too, in what depends on
+/// several bounces at once, but faster in the rest.
 #[test]
-fn many_bounces() {
+fn sobol_points_converge_faster_over_many_bounces() {
     let Room {
         scene,
         camera,
@@ -105,7 +105,7 @@ fn many_bounces() {
     } = &*ROOM;
     let reference = means(reference);
     let samples = runs(scene, camera, &centers(4, &[1]), 0..16 * 256);
-    let plain = |log: u32| {
+    let independent = |log: u32| {
         let runs = samples.chunks_exact(256).map(|run| &run[..1 << log]);
         let errors = runs.map(|run| relative_square_error(&means(&estimates(run)), &reference));
         errors.collect()
@@ -114,22 +114,25 @@ fn many_bounces() {
         let runs = runs(scene, camera, &centers(4, &[1 << log]), SEEDS);
         errors(&runs, &reference)
     };
-    let plain: Vec<Vec<f64>> = (0..=8).map(plain).collect();
+    let independent: Vec<Vec<f64>> = (0..=8).map(independent).collect();
     let sobol: Vec<Vec<f64>> = (0..=8).map(sobol).collect();
-    let (of_plain, of_sobol) = (slope(&plain), slope(&sobol));
-    assert!(of_plain.error < 0.03);
+    let (independent_slope, sobol_slope) = (slope(&independent), slope(&sobol));
+    assert!(independent_slope.error < 0.03);
     assert!(
-        (of_plain.mean + 1.0).abs() < 4.0 * of_plain.error,
-        "{of_plain:?}"
+        (independent_slope.mean + 1.0).abs() < 4.0 * independent_slope.error,
+        "{independent_slope:?}"
     );
-    assert!(of_sobol.mean + 4.0 * of_sobol.error < -1.0, "{of_sobol:?}");
-    assert!(mean(&sobol[8]) < mean(&plain[8]));
+    assert!(
+        sobol_slope.mean + 4.0 * sobol_slope.error < -1.0,
+        "{sobol_slope:?}"
+    );
+    assert!(mean(&sobol[8]) < mean(&independent[8]));
 }
 
-/// Where an edge crosses a pixel, only the strata that it crosses are uncertain: of n some n^(1/2), each
-/// with a variance of n^-2, which makes n^(-3/2).
+/// Where an edge crosses a pixel, only the strata that it crosses are noisy: about n^(1/2) of n, each with a variance
+/// of n^-2, which makes n^(-3/2).
 #[test]
-fn edges() {
+fn edges_converge_as_n_to_the_minus_three_halves() {
     let Room { scene, camera, .. } = &*ROOM;
     let of_samples = |samples, seeds| {
         let settings = spread(monte_carlo(0, &[]), SIZE, samples);
@@ -143,11 +146,11 @@ fn edges() {
 }
 
 /// What is smooth in two dimensions converges as n^-3 log n (Owen 1997, "Scrambled Net Variance for
-/// Integrals of Smooth Functions"). Along a kink, and the map of the square to the hemisphere has them along
-/// its diagonals, n^(1/2) strata are each off by their width, n^(-1/2), over n, which makes n^(-5/2).
-/// Here one bounce inside a sphere, where it is known what arrives: I rho / R^2.
+/// Integrals of Smooth Functions"). Along a kink, which the map of the square to the hemisphere has along its
+/// diagonals, n^(1/2) strata are each off by their width, n^(-1/2), over n, which makes n^(-5/2). Here with one bounce
+/// inside a sphere, where the irradiance is known: I rho / R^2.
 #[test]
-fn smooth_light() {
+fn smooth_light_converges_as_n_to_the_minus_five_halves_or_faster() {
     let scene = scene(
         "Scene(
             materials: {\"grey\": (diffuse: (0.5, 0.5, 0.5))},

@@ -1,4 +1,4 @@
-//! Light after bounces, in rooms and under skies with known answers.
+//! Indirect light in rooms and under skies, against closed forms.
 
 use crate::support::statistics::*;
 use crate::support::*;
@@ -7,8 +7,13 @@ use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// Sixteen estimates of what a camera sees in the very middle of its picture: pixels that see the same.
-fn looks(scene: &Scene, [eye, target]: [DVec3; 2], bounces: u32, splits: u32) -> Vec<Vec<f64>> {
+/// Sixteen estimates of the radiance in the middle of a camera's image, by pixels that all see the same point.
+fn center_estimates(
+    scene: &Scene,
+    [eye, target]: [DVec3; 2],
+    bounces: u32,
+    splits: u32,
+) -> Vec<Vec<f64>> {
     let settings = settings(monte_carlo(bounces, &[splits]), 4, 4);
     let pixels = render(scene, &camera(eye, target, 1e-6), &settings);
     pixels.iter().map(|pixel| channels(&[*pixel])).collect()
@@ -18,22 +23,22 @@ fn looks(scene: &Scene, [eye, target]: [DVec3; 2], bounces: u32, splits: u32) ->
 /// rho^k I / R^2 by bounce k, the same everywhere.
 #[test]
 fn light_off_the_centre_of_a_sphere() {
-    lit_alike_all_over("(5.9, -1.2, 7.4)");
+    check_uniform_indirect_light("(5.9, -1.2, 7.4)");
 }
 
-/// The same with a light that throws a spot on the wall beside it, a hundred times as bright as the rest.
+/// The same with a light so close to the wall that it lights it a hundred times as brightly there as elsewhere.
 #[test]
 fn light_by_the_wall_of_a_sphere() {
-    assert!(!LightSampler::new(&lit_alike_all_over("(6.9, -2, 7)")).is_empty());
+    assert!(!LightSampler::new(&check_uniform_indirect_light("(6.9, -2, 7)")).is_empty());
 }
 
-fn lit_alike_all_over(position: &str) -> Scene {
+fn check_uniform_indirect_light(position: &str) -> Scene {
     const ALBEDO: [f64; 3] = [0.9, 0.5, 0.2];
     let scene = inside_of_a_sphere(position);
     let eye = DVec3::new(4.5, -2.5, 6.5);
     for target in [DVec3::new(9.0, -2.0, 6.0), DVec3::new(3.0, -3.0, 9.0)] {
         // The same paths with one bounce more differ by the light of that bounce.
-        let pixels = |bounces| looks(&scene, [eye, target], bounces, 2048);
+        let pixels = |bounces| center_estimates(&scene, [eye, target], bounces, 2048);
         let pictures: Vec<Vec<Vec<f64>>> = (0..=8).map(pixels).collect();
         let mut seen = Vec::new();
         let mut expected = Vec::new();
@@ -52,9 +57,8 @@ fn lit_alike_all_over(position: &str) -> Scene {
     scene
 }
 
-/// Of the light that a floor gathers from an even sky, a black sphere of radius r keeps off (r / h)^2 cos,
-/// where its middle is at distance h at an angle of that cosine to the normal, and a disc parallel to
-/// the floor r^2 / (r^2 + h^2).
+/// Of the light of a uniform sky on a floor, a black sphere of radius r blocks (r / h)^2 cos, where its centre is at
+/// distance h, at an angle of that cosine to the normal, and a disc parallel to the floor r^2 / (r^2 + h^2).
 #[test]
 fn form_factors() {
     let sphere = |radius: f64, [x, y, z]: [f64; 3]| {
@@ -66,9 +70,9 @@ fn form_factors() {
     };
     let disc = |radius: f64, height: f64| {
         const SIDES: u32 = 64;
-        // As large as the circle.
+        // A polygon of the same area as the circle.
         let step = 2.0 * PI / f64::from(SIDES);
-        let corner = |i: u32| {
+        let vertex = |i: u32| {
             let (sin, cos) = (step * f64::from(i)).sin_cos();
             let radius = radius * (step / step.sin()).sqrt();
             format!("({}, {height}, {})", radius * cos, radius * sin)
@@ -76,8 +80,8 @@ fn form_factors() {
         let triangle = |i: u32| {
             format!(
                 "triangle(vertices: [(0, {height}, 0), {}, {}], material: \"black\"),",
-                corner(i),
-                corner(i + 1)
+                vertex(i),
+                vertex(i + 1)
             )
         };
         (
@@ -103,7 +107,7 @@ fn form_factors() {
                 objects: [{floor}{blocker}],
             )"
         ));
-        let seen = estimates(&looks(&scene, view, 1, 4096));
+        let seen = estimates(&center_estimates(&scene, view, 1, 4096));
         let expected = [Estimate::exact(0.8 * (1.0 - form_factor)); 3];
         assert!(seen[0].error < 1e-3);
         // Sums of 4096 equal numbers in single precision are off by up to 5e-5.
@@ -112,10 +116,10 @@ fn form_factors() {
     }
 }
 
-/// A floor with normals that lean by an angle gathers about these what its own horizon leaves of the sky:
-/// (1 + cos) / 2 of it.
+/// A floor whose shading normals are tilted by an angle gets the light of that part of the hemisphere about the normals
+/// which is above its plane: (1 + cos) / 2 of a uniform sky.
 #[test]
-fn leaning_normals() {
+fn tilted_normals() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("floor.obj");
     for degrees in [0.0, 20.0, 60.0, 80.0_f64] {
@@ -130,7 +134,7 @@ fn leaning_normals() {
             )"
         ));
         let view = [DVec3::new(1.0, 2.0, 0.5), DVec3::ZERO];
-        let seen = estimates(&looks(&scene, view, 1, 4096));
+        let seen = estimates(&center_estimates(&scene, view, 1, 4096));
         let expected = [Estimate::exact(0.8 * (1.0 + cos) / 2.0); 3];
         assert!(seen[0].error < 1e-3);
         let agreement = Agreement::of(&seen, &expected, 15, 5e-5);
@@ -138,13 +142,13 @@ fn leaning_normals() {
     }
 }
 
-/// What a surface of albedo `diffuse`, blended with a mirror, gives back of even light.
+/// The albedo of a diffuse surface that is blended with a mirror.
 fn albedo(diffuse: f64, reflective: f64) -> f64 {
     diffuse * (1.0 - reflective) + reflective
 }
 
-/// In a closed room of one material under ambient light alone, all paths end after the same bounces, each
-/// of which leaves the albedo's share.
+/// In a closed room of one material under ambient light alone, all paths end after the same number of bounces, each of
+/// which multiplies the radiance by the albedo.
 #[test]
 fn furnaces() {
     for diffuse in [0.0, 0.2, 0.7, 1.0] {
@@ -169,7 +173,7 @@ fn furnaces() {
     }
 }
 
-/// Where colours of matte surface and mirror differ, it is a matter of chance by which a path goes on.
+/// Where the diffuse colour and the mirror's differ, a path chooses one of them at random.
 #[test]
 fn colored_furnace() {
     let (diffuse, reflective) = ([0.9, 0.5, 0.2], [0.1, 0.6, 0.3]);
@@ -177,7 +181,7 @@ fn colored_furnace() {
         closed_room("materials: {\"m\": (diffuse: (0.9, 0.5, 0.2), reflective: (0.1, 0.6, 0.3))},");
     for bounces in 1..=4 {
         let settings = settings(monte_carlo(bounces, &[16]), 8, 6);
-        // Of single pixels many are equal, as so many choices are as good as even.
+        // Not of single pixels, many of which are equal, as the choices are stratified.
         let means: Vec<Vec<f64>> = runs(&room, &room_view(), &settings, 0..32)
             .iter()
             .map(|run| mean_pixel(run))
@@ -214,10 +218,10 @@ fn room_view() -> flythrough::camera::Camera {
     camera(DVec3::new(0.0, 0.5, 2.5), DVec3::new(0.0, -0.5, 0.0), 60.0)
 }
 
-/// Under an even sky two bodies on a mirror are lit as they and their images are lit without it, but for
-/// light that is reflected more than 12 times.
+/// Under a uniform sky two bodies on a mirror are lit as they and their images without the mirror, except for light
+/// that is reflected more than 12 times.
 #[test]
-fn a_mirror_doubles_the_world() {
+fn a_mirror_doubles_the_scene() {
     let bodies = |y: f64| {
         format!(
             "sphere(center: (-0.4, {y}, 0), radius: 0.5, material: \"a\"),

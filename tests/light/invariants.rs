@@ -1,4 +1,4 @@
-//! What holds of light in any scene, whether the answer is known or not.
+//! Invariants of light transport, which hold in any scene.
 
 use crate::support::statistics::*;
 use crate::support::*;
@@ -49,9 +49,9 @@ fn lit_by_first_second_both(lowered: f32) -> ([Scene; 3], Camera) {
     (scenes, room().1)
 }
 
-/// Lights far from walls guide no paths, so that all paths are the same with one light or two.
+/// Lights far from walls guide no paths, so that paths are the same with one light and with both.
 #[test]
-fn light_of_two_is_the_sum_path_by_path() {
+fn radiance_of_two_lights_is_the_sum_for_the_same_paths() {
     let (scenes, camera) = lit_by_first_second_both(0.5);
     assert!(LightSampler::new(&scenes[2]).is_empty());
     let settings = spread(monte_carlo(4, &[4, 2]), SIZE, 2);
@@ -61,9 +61,9 @@ fn light_of_two_is_the_sum_path_by_path() {
     }
 }
 
-/// Near lights guide paths: a path is connected to a point that is lit by a light of the scene at hand.
+/// Lights near walls guide paths, so that paths depend on the lights of the scene.
 #[test]
-fn light_of_two_is_the_sum_on_average() {
+fn radiance_of_two_lights_is_the_sum_on_average() {
     let (scenes, camera) = lit_by_first_second_both(0.0);
     assert!(
         scenes
@@ -86,10 +86,10 @@ fn light_of_two_is_the_sum_on_average() {
     assert!(!first_only.holds(), "{first_only:?}");
 }
 
-/// Under an even sky of 1 with paths that end in 1, all that takes nothing away shows 1: matte, mirror, or
-/// both. Interpolated normals may lose light that would go into the surface; nothing adds any.
+/// Under a uniform sky of 1, with paths that end in 1, materials without absorption have the radiance 1: diffuse,
+/// mirror, or both. With interpolated normals light that would go into the surface may be lost, but none is added.
 #[test]
-fn no_light_comes_from_nowhere() {
+fn no_light_is_added() {
     let model = root().join("scenes/models/knot.obj");
     let model = format!(
         "model(file: {model:?}, scale: (1.5, 1.5, 1.5), translation: (0.5, -1, 0), material: \"half\"),"
@@ -135,17 +135,17 @@ fn no_light_comes_from_nowhere() {
     }
 }
 
-/// Helmholtz: among matte surfaces the mean radiance that arrives at one point from all sides when a
-/// light is at another is the same if the two change places, bounce by bounce. Both are so close to a wall
-/// that a light there guides paths.
+/// Helmholtz reciprocity: among diffuse surfaces the mean radiance that arrives at one point from all directions, while
+/// a light is at another, is the same if the two are exchanged, after each bounce. Both are so close to a wall that a
+/// light there guides paths.
 #[test]
-fn light_and_eye_may_change_places() {
+fn light_and_eye_may_be_exchanged() {
     let text = std::fs::read_to_string(root().join("scenes/test3.ron")).unwrap();
-    let matte = text.replace(", reflective: (0.8, 0.8, 0.8)", "");
-    assert!(matte != text);
-    let places = [DVec3::new(0.6, 0.85, -0.3), DVec3::new(-0.8, -0.2, 0.5)];
+    let without_mirror = text.replace(", reflective: (0.8, 0.8, 0.8)", "");
+    assert!(without_mirror != text);
+    let positions = [DVec3::new(0.6, 0.85, -0.3), DVec3::new(-0.8, -0.2, 0.5)];
     let around = |eye: DVec3, light: DVec3, seeds: std::ops::Range<u32>| {
-        let mut scene = scene(&matte);
+        let mut scene = scene(&without_mirror);
         scene.lights = vec![PointLight {
             position: (light - scene.origin).as_vec3(),
             intensity: Vec3::ONE,
@@ -159,14 +159,14 @@ fn light_and_eye_may_change_places() {
         let runs: Vec<Vec<f64>> = seeds.into_par_iter().map(run).collect();
         estimates(&runs)
     };
-    let there = around(places[0], places[1], 0..32);
-    let back = around(places[1], places[0], 32..64);
+    let there = around(positions[0], positions[1], 0..32);
+    let back = around(positions[1], positions[0], 32..64);
     assert!(there.iter().all(|there| there.mean > 50.0 * there.error));
     let agreement = Agreement::of(&there, &back, 31, 0.0);
     assert!(agreement.holds(), "{agreement:?}");
 }
 
-/// The mean radiance that arrives from all sides.
+/// The mean radiance that arrives from all directions.
 fn radiance_around(scene: &Scene, eye: DVec3, bounces: u32, seed: u32) -> Vec<f64> {
     const RAYS: u32 = 1 << 14;
     let sequence = Sequence::new(seed, 0, 0, 0);

@@ -1,4 +1,4 @@
-//! Indirect light worked out once for a whole camera path.
+//! The irradiance cache of a camera path, against closed forms and path tracing.
 
 use crate::support::*;
 use flythrough::bake::{Baked, bake, cache_errors};
@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 const SIZE: (u32, u32) = (64, 48);
 
-/// A path from one eye to another that looks at a point, of nine frames.
+/// A path of nine frames from one eye to another, that looks at a point.
 fn glide(eyes: [DVec3; 2], target: DVec3) -> CameraPath {
     let key = |(time, position): (f64, DVec3)| Keyframe {
         time,
@@ -62,7 +62,7 @@ fn mean(pixels: &[Vec3]) -> Vec3 {
     pixels.iter().sum::<Vec3>() / pixels.len() as f32
 }
 
-/// Of pixels against a reference of little noise.
+/// The mean relative square error of pixels against a reference of little noise.
 fn relative_square_error(pixels: &[Vec3], reference: &[Vec3]) -> f32 {
     let error = |(x, r): (&Vec3, &Vec3)| ((x - r).powf(2.0) / (r * r + 0.01)).element_sum() / 3.0;
     pixels.iter().zip(reference).map(error).sum::<f32>() / pixels.len() as f32
@@ -71,7 +71,7 @@ fn relative_square_error(pixels: &[Vec3], reference: &[Vec3]) -> f32 {
 /// Inside a sphere of radius R a light of intensity I anywhere gives the wall the irradiance
 /// rho^k I / R^2 by bounce k, the same everywhere.
 #[test]
-fn light_inside_a_sphere_for_every_number_of_bounces() {
+fn light_inside_a_sphere_after_each_bounce() {
     let albedo = Vec3::new(0.9, 0.5, 0.2);
     let scene = inside_of_a_sphere("(5.9, -1.2, 7.4)");
     let eyes = [DVec3::new(4.5, -2.5, 6.5), DVec3::new(4.9, -1.5, 7.5)];
@@ -91,26 +91,10 @@ fn light_inside_a_sphere_for_every_number_of_bounces() {
     }
 }
 
-/// A box of white walls: corners, edges, and a ball on the floor, and a mirror.
+/// The estimated cache error holds for whole frames, and is below the target, in a box of white walls with edges, a ball on
+/// the floor, and a mirror.
 #[test]
-fn a_room_agrees_with_paths_of_which_nothing_is_looked_up() {
-    let scene = shipped_scene("test3.ron");
-    let path = across_the_room();
-    let baked = baked(&scene, &path, 4);
-    for number in [0, 8] {
-        let pixels = cached(&scene, &path, &baked, number);
-        let reference = path_traced(&scene, &path, 1024, number);
-        let error = relative_square_error(&pixels, &reference);
-        // In units of a display white of 1, where this room is darker than in its own exposure.
-        assert!(error < 0.001, "{number}: {error}");
-        let bias = mean(&pixels) / mean(&reference) - 1.0;
-        assert!(bias.abs().max_element() < 0.01, "{number}: {bias}");
-    }
-}
-
-/// What is said of the error of the light is true of whole frames, and comes down to what is asked for.
-#[test]
-fn the_error_is_known_and_met() {
+fn the_estimated_error_is_right_and_below_the_target() {
     let scene = shipped_scene("test3.ron");
     let path = across_the_room();
     let baked = |target_error: Option<f64>| {
@@ -129,21 +113,25 @@ fn the_error_is_known_and_met() {
         assert_eq!(baked.errors.len(), 9);
         let errors = references.each_ref().map(|(number, reference)| {
             let pixels = cached(&scene, &path, baked, *number);
+            let bias = mean(&pixels) / mean(reference) - 1.0;
+            assert!(bias.abs().max_element() < 0.01, "{number}: {bias}");
             f64::from(relative_square_error(&pixels, reference))
         });
-        // Of 32 paths it is 0.0045.
+        // With 32 paths it is 0.0045.
         let of_reference = 0.0045 * 32.0 / f64::from(paths);
+        // In units of a display white of 1, where this room is darker than in its own exposure.
+        assert!(errors.iter().all(|error| *error < 0.001), "{errors:?}");
         let error = errors.iter().sum::<f64>() / 3.0 - of_reference;
-        // So few pixels are of one window.
+        // So small a sequence has one window of held-out pixels: the estimates of all frames are equal.
         let [low, high] = baked.errors[4].interval();
         assert!(low < error && error < high, "{low} {error} {high}");
         assert!(high <= most, "{high}");
     }
 }
 
-/// Light of something else is found to be wrong, by as much as it is.
+/// The cache of another scene has the error that it should.
 #[test]
-fn wrong_light_is_found() {
+fn the_error_of_a_wrong_cache_is_measured() {
     let of_intensity = |intensity: f64| {
         let light = light("(0, 0, 0)", intensity);
         scene(&format!(
@@ -157,7 +145,7 @@ fn wrong_light_is_found() {
     let wrong = baked(&of_intensity(1.2), &path, 1);
     let direct = 0.5 / PI;
     let indirect = 0.5 * direct;
-    // The light that it is a share of is half way from the right to the wrong.
+    // It is relative to the mean of the right and the wrong radiance.
     let expected = (0.2 * indirect).powi(2) / ((direct + 1.1 * indirect).powi(2) + 0.01);
     for error in cache_errors(&right, &path, &cached_settings(1), &wrong.cache).unwrap() {
         let off = error.relative_square_error / expected - 1.0;
@@ -173,9 +161,9 @@ fn box_of(material: &str, x0: f64, x1: f64) -> String {
              triangle(vertices: [{a}, {c}, {d}], material: \"{material}\"),"
         )
     };
-    let corner = |x: f64, y: i32, z: i32| format!("({x}, {y}, {z})");
-    let [a, b, c, d] = [(0, 0), (2, 0), (2, 2), (0, 2)].map(|(y, z)| corner(x0, y, z));
-    let [e, f, g, h] = [(0, 0), (2, 0), (2, 2), (0, 2)].map(|(y, z)| corner(x1, y, z));
+    let vertex = |x: f64, y: i32, z: i32| format!("({x}, {y}, {z})");
+    let [a, b, c, d] = [(0, 0), (2, 0), (2, 2), (0, 2)].map(|(y, z)| vertex(x0, y, z));
+    let [e, f, g, h] = [(0, 0), (2, 0), (2, 2), (0, 2)].map(|(y, z)| vertex(x1, y, z));
     [
         quad([&a, &b, &c, &d]),
         quad([&e, &f, &g, &h]),
@@ -187,9 +175,9 @@ fn box_of(material: &str, x0: f64, x1: f64) -> String {
     .concat()
 }
 
-/// White corners, light a finger's breadth from a corner, textures, highlights, mirrors and several lights.
+/// White corners, a light 3 cm from a corner, textures, highlights, mirrors and several lights.
 #[test]
-fn whatever_is_in_the_scene_the_light_is_right() {
+fn the_cache_agrees_with_path_tracing_in_varied_scenes() {
     let room = |light: String, albedo: f64| {
         let white = format!("\"white\": (diffuse: ({albedo}, {albedo}, {albedo}))");
         let walls = box_of("white", -1.0, 1.0);
@@ -223,17 +211,17 @@ fn whatever_is_in_the_scene_the_light_is_right() {
             glide(near_mirror, DVec3::new(0.1, 0.8, -1.0)),
         ),
     ] {
-        let looking_up = RenderSettings {
+        let by_cache = RenderSettings {
             target_error: Some(0.004),
             ..cached_settings(4)
         };
-        let baked = bake(&scene, &path, "path", &looking_up, None, &|_, _| ());
-        let exact = RenderSettings {
+        let baked = bake(&scene, &path, "path", &by_cache, None, &|_, _| ());
+        let by_paths = RenderSettings {
             integrator: monte_carlo(4, &[scaled(256, 256, 1024)]),
-            ..looking_up.clone()
+            ..by_cache.clone()
         };
         let renderers =
-            [looking_up, exact].map(|s| Renderer::new(&scene, s, Some(&baked.cache)).unwrap());
+            [by_cache, by_paths].map(|s| Renderer::new(&scene, s, Some(&baked.cache)).unwrap());
         let mut held_out = Vec::new();
         let pixels: Vec<(u32, u32)> = (0..SIZE.0 * SIZE.1)
             .step_by(7)
@@ -264,7 +252,7 @@ fn a_closed_room_stays_dark() {
         box_of("grey", -2.0, -0.005),
         box_of("grey", 0.005, 2.0)
     ));
-    // From one room into the other, no frame within the wall: places lie on both sides of it.
+    // From one room into the other, without a frame within the wall: records are on both sides of it.
     let path = glide(
         [DVec3::new(-1.8, 1.2, 1.7), DVec3::new(1.7, 1.2, 1.7)],
         DVec3::new(0.0, 0.1, 0.3),
@@ -300,9 +288,9 @@ fn threads_do_not_matter() {
     assert!(one == on(4));
 }
 
-/// Where nothing reflects light, nothing is gathered, and there are no places; nor in an empty scene.
+/// Scenes without diffuse surfaces, and empty ones, have no records.
 #[test]
-fn nothing_to_gather() {
+fn scenes_without_diffuse_surfaces_have_no_records() {
     let black = format!(
         "Scene(materials: {{\"black\": ()}}, background: (1, 1, 1), objects: [{}])",
         plate(0.0, 3.0, "black")
@@ -313,7 +301,7 @@ fn nothing_to_gather() {
         let path = glide(eyes, DVec3::ZERO);
         let baked = baked(&scene, &path, 4);
         assert_eq!(baked.cache.record_count(), [0, 0]);
-        let exact = path_traced(&scene, &path, 1, 3);
-        assert_eq!(cached(&scene, &path, &baked, 3), exact);
+        let expected = path_traced(&scene, &path, 1, 3);
+        assert_eq!(cached(&scene, &path, &baked, 3), expected);
     }
 }

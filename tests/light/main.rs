@@ -1,4 +1,4 @@
-//! Whether the light is right: known answers, invariants, statistics, and another renderer.
+//! Light transport against closed forms, invariants, statistics, and another renderer.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 #[path = "../support/mod.rs"]

@@ -1,8 +1,8 @@
-//! Pictures against those of another renderer, pixel by pixel.
+//! Frames against those of Mitsuba 3, pixel by pixel.
 //!
-//! tests/reference/make_mitsuba.py makes them with Mitsuba 3: `path`, max_depth = bounces + 2. All camera rays
-//! go through the pixels' middles: a sliver of an edge that few rays meet would have an error that
-//! cannot be told from these few.
+//! tests/reference/make_mitsuba.py renders the references: integrator `path`, max_depth = bounces + 2. All camera rays
+//! go through pixel centres: an edge that few random rays hit would have an error that cannot be estimated from these
+//! few.
 
 use crate::support::statistics::*;
 use crate::support::*;
@@ -13,10 +13,10 @@ use glam::{DVec3, Vec3};
 const WIDTH: usize = 40;
 const HEIGHT: usize = 30;
 
-/// Of single precision, theirs and ours, as a share of a pixel: curved mirrors magnify it.
+/// The rounding error of both renderers, relative to the pixel. Curved mirrors magnify it.
 const ROUNDING: f64 = 5e-5;
 
-/// Pictures with 0, 1 and 4 bounces.
+/// The references with 0, 1 and 4 bounces.
 fn references(name: &str) -> Vec<(u32, Vec<Estimate>)> {
     let file = root().join(format!("tests/reference/{name}.exr"));
     let picture = image::open(file).unwrap().into_rgb32f();
@@ -33,8 +33,8 @@ fn references(name: &str) -> Vec<(u32, Vec<Estimate>)> {
     [0, 1, 4].into_iter().zip(parts.map(estimates)).collect()
 }
 
-/// Whether a scene looks as it should: no pixel is further off than chance allows, all of them are off by as
-/// much as it makes them, and blocks of 5 x 5 and the whole picture are right, too.
+/// Whether frames agree with the reference: no pixel is further off than noise explains, the mean square of all is that
+/// of noise, and the means of blocks of 5 x 5 and of the whole frame agree, too.
 fn compare(
     scene: &Scene,
     camera: &Camera,
@@ -45,9 +45,9 @@ fn compare(
     let settings = settings(monte_carlo(bounces, &[paths]), WIDTH as u32, HEIGHT as u32);
     let runs = runs(scene, camera, &settings, 0..32);
     let [pixels, blocks, whole] =
-        [[1, 1], [5, 5], [WIDTH, HEIGHT]].map(|block| of_blocks(&runs, reference, block));
-    // The mean square of 1200 pixels strays from 1 by 0.04, or from 31/29 where our errors are the larger; rare
-    // bright paths make it stray a little more.
+        [[1, 1], [5, 5], [WIDTH, HEIGHT]].map(|block| agreement_of_blocks(&runs, reference, block));
+    // The mean square of 1200 pixels deviates by 0.04 from 1, or from 31/29 where our errors are the larger; rare
+    // bright paths make it deviate a little more.
     let is_noise = (0.8..1.35).contains(&pixels.mean_square);
     if pixels.holds() && is_noise && blocks.holds() && whole.holds() {
         Ok(())
@@ -59,7 +59,7 @@ fn compare(
 }
 
 /// Agreement of the means of blocks of pixels.
-fn of_blocks(runs: &[Vec<f64>], reference: &[Estimate], block: [usize; 2]) -> Agreement {
+fn agreement_of_blocks(runs: &[Vec<f64>], reference: &[Estimate], block: [usize; 2]) -> Agreement {
     let ours: Vec<Vec<f64>> = runs.iter().map(|run| blocks(run, block)).collect();
     let means: Vec<f64> = reference.iter().map(|pixel| pixel.mean).collect();
     let squares: Vec<f64> = reference.iter().map(|pixel| pixel.error.powi(2)).collect();
@@ -85,7 +85,7 @@ fn blocks(picture: &[f64], [width, height]: [usize; 2]) -> Vec<f64> {
     means
 }
 
-/// The room of test3 with other things in place of its spheres.
+/// The room of test3 with other objects in place of its spheres.
 fn room(materials: &str, objects: &str) -> Scene {
     let text = std::fs::read_to_string(root().join("scenes/test3.ron")).unwrap();
     let (head, rest) = text.split_once("        \"mirror\"").unwrap();
@@ -102,13 +102,13 @@ fn cornell_box() {
     for (bounces, reference) in references("test3") {
         compare(&scene, &camera, bounces, &reference).unwrap();
         if bounces == 4 {
-            // One bounce less is found out.
+            // A missing bounce is detected.
             compare(&scene, &camera, 3, &reference).unwrap_err();
         }
     }
 }
 
-/// A sphere that is nothing but a mirror, from close by.
+/// A mirror sphere without a diffuse part, from close by.
 #[test]
 fn mirror() {
     let scene = room(
@@ -128,8 +128,8 @@ fn mirror() {
 
 /// A model with interpolated normals.
 ///
-/// Where these face away from the camera, at its outline, ours let the surface reflect the light on the side
-/// that is seen, Mitsuba's that on the other. The camera is such that it meets no such place.
+/// Where these face away from the camera, at the outline, this renderer reflects the light on the visible side, Mitsuba
+/// that on the other. The camera sees no such point.
 #[test]
 fn mesh() {
     let model = root().join("scenes/models/knot.obj");

@@ -27,7 +27,7 @@ class Blend(mi.BSDF):
     """diffuse * (1 - mirror) + mirror * (a perfect mirror).
 
     Mitsuba's own `blendbsdf` divides what a mirror reflects by the density of both of its parts, of which
-    the mirror's is a delta function, and so loses the share (1 - w) cos / pi / (w + (1 - w) cos / pi) of it.
+    the mirror's is a delta function, and so loses the fraction (1 - w) cos / pi / (w + (1 - w) cos / pi) of it.
     """
 
     def __init__(self, properties):

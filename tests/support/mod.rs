@@ -1,4 +1,4 @@
-//! What the test programs share: scenes from text, cameras, and the program itself.
+//! Shared by the test binaries: scenes from text, cameras, and runs of the program.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -15,9 +15,8 @@ use glam::{DVec3, Vec3};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A number of samples, seeds, frames or tries for each tier of scripts/test.sh.
-///
-/// `FLYTHROUGH_TEST_TIER` names the tier; without it, it is the default.
+/// The number of samples, seeds, frames or tries for the tier of scripts/test.sh that `FLYTHROUGH_TEST_TIER` names, or
+/// for the default tier without it.
 pub(crate) fn scaled<T>(quick: T, default: T, thorough: T) -> T {
     match std::env::var("FLYTHROUGH_TEST_TIER").as_deref() {
         Ok("quick") => quick,
@@ -79,7 +78,7 @@ pub(crate) fn inside_of_a_sphere(light_position: &str) -> Scene {
 
 pub(crate) const GREY: &str = "materials: {\"grey\": (diffuse: (0.5, 0.5, 0.5))},";
 
-/// A camera that looks from a point to another, its vertical field of view in degrees.
+/// A camera at `position` that looks at `target`, its vertical field of view in degrees.
 pub(crate) fn camera(position: DVec3, target: DVec3, degrees: f64) -> Camera {
     Camera::look_at(position, target, degrees.to_radians()).unwrap()
 }
@@ -100,8 +99,8 @@ pub(crate) fn render(scene: &Scene, camera: &Camera, settings: &RenderSettings) 
     rendered.film.pixels().to_vec()
 }
 
-/// What a camera sees in the very middle of its picture.
-pub(crate) fn look(
+/// The radiance that a camera sees in the middle of its image.
+pub(crate) fn center_radiance(
     scene: &Scene,
     integrator: IntegratorSettings,
     position: DVec3,
@@ -142,15 +141,15 @@ pub(crate) fn flythrough(arguments: &[&str]) -> Output {
         .unwrap()
 }
 
-/// Runs `check` on a scene and a path given as text, with `files` beside them. Returns the exit
-/// status and stderr, with the folder's name cut out.
+/// Runs `check` on a scene and a path given as text, with `files` beside them. Returns the exit status and stderr,
+/// without the name of the folder.
 pub(crate) fn check(scene: &str, path: &str, files: &[(&str, &[u8])]) -> (Option<i32>, String) {
     let mut all = vec![("s.ron", scene.as_bytes()), ("p.ron", path.as_bytes())];
     all.extend(files);
     check_files("s.ron", "p.ron", &all)
 }
 
-/// As [`check`], of two of the files.
+/// As [`check`]; the scene and the path are among the files.
 pub(crate) fn check_files(
     scene: &str,
     path: &str,
@@ -162,14 +161,14 @@ pub(crate) fn check_files(
     }
     let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let output = flythrough(&["check", &file(scene), &file(path)]);
-    let place = format!("{}/", folder.path().display());
-    (output.status.code(), stderr(&output).replace(&place, ""))
+    let prefix = format!("{}/", folder.path().display());
+    (output.status.code(), stderr(&output).replace(&prefix, ""))
 }
 
-/// A key of a camera path that stands still.
+/// The key of a still camera.
 pub(crate) const KEY: &str = "(time: 0, position: (0, 0, 0), look_at: (0, 0, -1), fov: 50)";
 
-/// A camera path of these keys.
+/// A camera path file with these keys.
 pub(crate) fn path(keys: &str) -> String {
     format!("CameraPath(fps: 24, keyframes: [{keys}])")
 }
@@ -178,7 +177,7 @@ pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The frames of a folder with their bytes, by name.
+/// The frames of a folder with their bytes, sorted by name.
 pub(crate) fn frames(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let mut frames: Vec<_> = std::fs::read_dir(folder)
         .unwrap()

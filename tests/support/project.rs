@@ -1,3 +1,5 @@
+//! A small project on disk, its folder of frames, and the commands that work on it.
+
 use super::{flythrough, stderr};
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,6 +21,7 @@ pub(crate) const SCENE: &str = "Scene(
     ],
 )";
 
+/// A camera path file with keys of a time and an x coordinate.
 pub(crate) fn keys(keys: &[(f64, f64)]) -> String {
     let key = |(time, x): &(f64, f64)| {
         format!("(time: {time}, position: ({x}, 0, 3), look_at: ({x}, 0, 0), fov: 45)")
@@ -40,7 +43,7 @@ impl Project {
         project.write("s.ron", SCENE.as_bytes());
         project.write("p.ron", keys(&KEYS).as_bytes());
         project.write("m.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-        project.picture(90);
+        project.write_texture(90);
         project
     }
 
@@ -48,7 +51,8 @@ impl Project {
         fs::write(self.folder.path().join(name), bytes).unwrap();
     }
 
-    pub(crate) fn picture(&self, red: u8) {
+    /// Writes the texture, all of one colour.
+    pub(crate) fn write_texture(&self, red: u8) {
         let picture = image::RgbImage::from_pixel(2, 2, image::Rgb([red, 100, 50]));
         picture.save(self.folder.path().join("t.png")).unwrap();
     }
@@ -64,30 +68,31 @@ impl Project {
         flythrough(&[&[command, &scene, &path, "-o", &out], more].concat())
     }
 
-    /// Renders, and says which of the frames' files were written.
+    /// Renders; returns the frames whose files were written.
     pub(crate) fn render(&self, more: &[&str]) -> Vec<u32> {
-        let before = changes(&self.out());
+        let before = frame_inodes(&self.out());
         let size = match more.contains(&"--size") {
             true => &[][..],
             false => &["--size", "16x12"],
         };
         let output = self.run("render", &[size, more].concat());
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        let after = changes(&self.out());
+        let after = frame_inodes(&self.out());
         let written = after
             .iter()
             .filter(|(frame, at)| before.get(frame) != Some(at));
         written.map(|(frame, _)| *frame).collect()
     }
 
-    /// The exit status of `verify`, and what it says.
+    /// The exit status and the stdout of `verify`, without the name of the folder.
     pub(crate) fn verify(&self) -> (Option<i32>, String) {
         let output = flythrough(&["verify", self.out().to_str().unwrap()]);
-        let said = String::from_utf8(output.stdout).unwrap();
+        let printed = String::from_utf8(output.stdout).unwrap();
         let folder = format!("{}/", self.out().display());
-        (output.status.code(), said.replace(&folder, ""))
+        (output.status.code(), printed.replace(&folder, ""))
     }
 
+    /// The stdout of `missing`.
     pub(crate) fn missing(&self, more: &[&str]) -> String {
         let output = flythrough(&[&["missing", self.out().to_str().unwrap()], more].concat());
         assert_eq!(output.status.code(), Some(0));
@@ -99,8 +104,8 @@ impl Project {
     }
 }
 
-/// The inodes of the frames' files by number: a frame that is written is another file.
-pub(crate) fn changes(folder: &Path) -> BTreeMap<u32, u64> {
+/// The inodes of the frames' files by frame: a frame that is written again is a new file.
+pub(crate) fn frame_inodes(folder: &Path) -> BTreeMap<u32, u64> {
     use std::os::unix::fs::MetadataExt;
     let entries = fs::read_dir(folder).into_iter().flatten();
     let of = |entry: fs::DirEntry| {
@@ -111,4 +116,5 @@ pub(crate) fn changes(folder: &Path) -> BTreeMap<u32, u64> {
     entries.filter_map(|entry| of(entry.unwrap())).collect()
 }
 
+/// All frames of the path.
 pub(crate) const ALL: [u32; 9] = [0, 1, 2, 3, 4, 5, 6, 7, 8];

@@ -1,4 +1,4 @@
-//! Whether random estimates agree, and how fast they converge.
+//! Statistics of Monte Carlo estimates: whether they agree, and how fast they converge.
 
 pub(crate) use flythrough::metrics::Estimate;
 
@@ -11,7 +11,7 @@ use flythrough::scene::Scene;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Settings with so many camera samples spread over each pixel.
+/// Settings with `samples` camera samples spread over each pixel.
 pub(crate) fn spread(
     integrator: IntegratorSettings,
     [width, height]: [u32; 2],
@@ -23,13 +23,13 @@ pub(crate) fn spread(
     }
 }
 
-/// The channels of a picture's pixels.
+/// The channels of pixels.
 pub(crate) fn channels(pixels: &[Vec3]) -> Vec<f64> {
     let channels = pixels.iter().flat_map(|pixel| pixel.to_array());
     channels.map(f64::from).collect()
 }
 
-/// A picture's channels with each of some seeds.
+/// The channels of a frame, rendered with each of the seeds.
 pub(crate) fn runs(
     scene: &Scene,
     camera: &Camera,
@@ -45,7 +45,7 @@ pub(crate) fn runs(
     seeds.into_par_iter().map(with_seed).collect()
 }
 
-/// What independent runs estimate.
+/// The mean and the standard error of each channel over independent runs.
 pub(crate) fn estimates(runs: &[Vec<f64>]) -> Vec<Estimate> {
     let estimate = |i: usize| {
         let values: Vec<f64> = runs.iter().map(|run| run[i]).collect();
@@ -59,16 +59,17 @@ pub(crate) fn estimates(runs: &[Vec<f64>]) -> Vec<Estimate> {
 pub(crate) struct Agreement {
     /// The largest |z|.
     pub(crate) worst: f64,
-    /// What chance exceeds anywhere once in a hundred times.
+    /// What noise alone exceeds in 1 of 100 comparisons like this one (Sidak 1967).
     pub(crate) limit: f64,
-    /// The mean of z^2: 1, if both are unbiased and their errors right.
+    /// The mean of z^2: 1 if both are unbiased and their standard errors are right.
     pub(crate) mean_square: f64,
 }
 
 impl Agreement {
-    /// Of estimates by `degrees + 1` runs, an even number, with references by no fewer or with the truth.
+    /// Compares estimates from `degrees + 1` runs, an even number, with references from at least as many, or with exact
+    /// values.
     ///
-    /// Differences of `rounding` times the value are none.
+    /// `rounding` times the value is added to the standard error.
     pub(crate) fn of(
         estimates: &[Estimate],
         references: &[Estimate],
@@ -95,28 +96,28 @@ impl Agreement {
         }
     }
 
-    /// Whether no single estimate is further off than chance allows (Sidak 1967).
+    /// Whether no estimate is further off than noise explains.
     pub(crate) fn holds(&self) -> bool {
         self.worst <= self.limit
     }
 }
 
-/// The slope of the logarithm of the mean error against the logarithm of the number of samples, by least
-/// squares; its own error by leaving out one run after the other (jackknife).
+/// The slope of the logarithm of the mean error over the logarithm of the number of samples, by least squares. Its
+/// standard error is that of the jackknife: one run after the other is left out.
 ///
-/// `errors` are those of independent runs, for numbers of samples each of which is twice the one before.
+/// `errors` are those of independent runs, for numbers of samples each of which is twice the last.
 pub(crate) fn slope(errors: &[Vec<f64>]) -> Estimate {
     let middle = (errors.len() as f64 - 1.0) / 2.0;
     let without = |left_out: Option<usize>| {
-        let (mut above, mut below) = (0.0, 0.0);
+        let (mut numerator, mut denominator) = (0.0, 0.0);
         for (size, errors) in errors.iter().enumerate() {
             let kept = (0..errors.len()).filter(|run| Some(*run) != left_out);
             let sum: f64 = kept.map(|run| errors[run]).sum();
             let x = size as f64 - middle;
-            above += x * sum.log2();
-            below += x * x;
+            numerator += x * sum.log2();
+            denominator += x * x;
         }
-        above / below
+        numerator / denominator
     };
     let count = errors[0].len();
     let mean = without(None);

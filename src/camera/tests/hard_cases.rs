@@ -57,10 +57,6 @@ fn refuses_what_has_no_camera() {
         ..key(time, position, at(target))
     };
     let refusal = |keys: &[Keyframe]| CameraPath::new(10.0, keys, &PathTiming::BY_KEYS).err();
-    assert_eq!(refusal(&[]), Some(PathError::NoKeys));
-    let still = looks(1.0, DVec3::ZERO, DVec3::X);
-    let expected = PathError::TimesDoNotRise { key: 1, time: 1.0 };
-    assert_eq!(refusal(&[still, still]), Some(expected));
     // Passes through its target half way.
     let through = [
         looks(0.0, DVec3::X, DVec3::ZERO),
@@ -70,12 +66,6 @@ fn refuses_what_has_no_camera() {
     assert_eq!(
         refusal(&through),
         Some(PathError::LooksAtItself { frame, time })
-    );
-    let (frame, time) = (0, 0.0);
-    let above = looks(0.0, DVec3::Y, DVec3::ZERO);
-    assert_eq!(
-        refusal(&[above]),
-        Some(PathError::LooksVertically { frame, time })
     );
     // Passes above its target, on a frame and between two.
     let over = |from: f64, to: f64| {
@@ -94,27 +84,6 @@ fn refuses_what_has_no_camera() {
             time: 0.6
         })
     );
-    // Either way around is as short.
-    let half = [AHEAD, Orientation::Rotation(DQuat::from_rotation_y(PI))];
-    let half = half.map(|aim| key(if aim == AHEAD { 0.0 } else { 1.0 }, DVec3::ZERO, aim));
-    assert_eq!(refusal(&half), Some(PathError::HalfTurn { key: 1 }));
-    // What cannot be had together.
-    let timing = |ease_in, ease_out, speed| PathTiming {
-        ease_in,
-        ease_out,
-        speed,
-        ..PathTiming::BY_KEYS
-    };
-    let keys = [
-        looks(0.0, DVec3::X, DVec3::ZERO),
-        looks(1.0, DVec3::Z, DVec3::ZERO),
-    ];
-    let error = CameraPath::new(10.0, &keys, &timing(0.6, 0.6, Speed::ByKeys)).err();
-    assert!(matches!(error, Some(PathError::EaseTooLong { .. })));
-    let mut keys = keys;
-    keys[0].segment.ease_in = true;
-    let error = CameraPath::new(10.0, &keys, &CONSTANT).err();
-    assert_eq!(error, Some(PathError::EaseAtConstantSpeed { key: 0 }));
 }
 
 /// Decimals of keys and frames are rounded otherwise.

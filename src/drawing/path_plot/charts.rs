@@ -1,11 +1,11 @@
 //! Charts of speed, turn rate and field of view over time.
 
-use super::area::{Area, Drawn};
 use super::axis::label;
 use super::layout::{Cell, px};
 use super::motion::Motion;
 use super::overlay::{draw_key, key_size};
 use super::panel::part;
+use crate::drawing::area::{Area, Drawn};
 use crate::drawing::chart::{COLORS, FONT};
 use plotters::prelude::*;
 use std::ops::Range;

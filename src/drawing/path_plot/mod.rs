@@ -2,7 +2,6 @@
 //!
 //! Knows nothing of files or terminals.
 
-mod area;
 mod axis;
 mod charts;
 mod cutaway;
@@ -15,18 +14,12 @@ mod region;
 mod sheet;
 mod view;
 
+use super::area::DrawingError;
 use crate::camera::CameraPath;
 use crate::scene::Scene;
 use motion::Motion;
 use region::Region;
 use sheet::Sheet;
-use std::error::Error;
-use thiserror::Error;
-
-/// A plot that cannot be drawn.
-#[derive(Debug, Error)]
-#[error("the plot of a camera path: {0}")]
-pub struct PlotError(Box<dyn Error + Send + Sync>);
 
 /// The text of an SVG file that plots a camera path through a scene.
 ///
@@ -39,7 +32,7 @@ pub fn plot(
     path: &CameraPath,
     aspect: f64,
     title: &str,
-) -> Result<String, PlotError> {
+) -> Result<String, DrawingError> {
     // Not allowed in SVG.
     let title = title.replace(char::is_control, " ");
     let motion = Motion::of(path, aspect);
@@ -47,5 +40,5 @@ pub fn plot(
     let sheet = Sheet::new(&motion, &region, &title);
     sheet
         .to_svg(scene)
-        .map_err(|error| PlotError(error.to_string().into()))
+        .map_err(|error| DrawingError::new("the plot of a camera path", error))
 }

@@ -1,12 +1,12 @@
 //! The marks of a path over the views of the scene: line, frames, keys and view frustums.
 
-use super::area::{Area, Drawn};
 use super::axis::{ranges, round_step};
 use super::labels::{Labels, half_size};
 use super::layout::px;
 use super::motion::Motion;
 use super::panel::{Panel, SheetPoint};
 use crate::camera::Camera;
+use crate::drawing::area::{Area, Drawn};
 use crate::drawing::chart::{COLORS, FONT};
 use glam::DVec3;
 use plotters::prelude::*;

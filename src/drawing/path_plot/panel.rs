@@ -1,11 +1,11 @@
 //! A panel: a view of a part of the world, to scale, with axes.
 
-use super::area::{Area, Drawn};
 use super::axis::label;
 use super::cutaway::Window;
 use super::layout::{Cell, px};
 use super::region::Cuboid;
 use super::view::View;
+use crate::drawing::area::{Area, Drawn};
 use crate::drawing::chart::FONT;
 use glam::{DVec2, DVec3};
 use plotters::prelude::*;

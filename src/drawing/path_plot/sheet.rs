@@ -1,6 +1,5 @@
 //! The sheet: title, legend, plan, elevation and charts, drawn to SVG.
 
-use super::area::{Area, Drawn};
 use super::axis::label;
 use super::charts;
 use super::cutaway::{SECTION, SOLID, cutaway};
@@ -10,6 +9,7 @@ use super::overlay::{DOT, END, FRUSTUM, LINE, Marks, START, write};
 use super::panel::{Panel, SheetPoint};
 use super::region::Region;
 use super::view::View;
+use crate::drawing::area::{Area, Drawn, svg_of};
 use crate::drawing::chart::FONT;
 use crate::scene::Scene;
 use base64::Engine;
@@ -66,11 +66,7 @@ impl<'a> Sheet<'a> {
     pub(super) fn to_svg(&self, scene: &Scene) -> Result<String, Box<dyn Error>> {
         let (width, height) = SIZE;
         let units = (px(width), px(height));
-        let mut drawn = String::new();
-        let sheet = SVGBackend::with_string(&mut drawn, units).into_drawing_area();
-        self.draw(&sheet)?;
-        sheet.present()?;
-        drop(sheet);
+        let drawn = svg_of(units, |sheet| self.draw(sheet))?;
         // The images come first, below everything else; plotters cannot draw them.
         let (_, drawn) = drawn
             .split_once(">\n")

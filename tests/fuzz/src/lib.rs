@@ -1,4 +1,4 @@
-//! What the fuzz targets share: a folder for input files, and a look at the scenes that are accepted.
+//! Shared by the fuzz targets: a folder for input files, and the check of a scene file.
 
 use flythrough::camera::Camera;
 use flythrough::input::{InputFiles, load_scene};
@@ -16,20 +16,20 @@ const PICTURE: [u8; 21] = [
 ];
 
 static FOLDER: LazyLock<TempDir> = LazyLock::new(|| {
-    let folder = tempfile::tempdir().expect("a place for files");
+    let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("t.tga"), PICTURE).expect("writable");
     folder
 });
 
-/// Writes a file into the folder of all input files, where a picture `t.tga` is.
+/// Writes a file into the folder of all input files, beside the picture `t.tga`.
 pub fn file(name: &str, bytes: &[u8]) -> PathBuf {
     let file = FOLDER.path().join(name);
     fs::write(&file, bytes).expect("writable");
     file
 }
 
-/// Loads a scene and, if it is accepted, looks at it in both ways: no light is below 0.
-pub fn look_at(scene: &[u8]) {
+/// Loads a scene and, if it is accepted, renders it in both kinds of mode: no radiance is negative.
+pub fn check_scene(scene: &[u8]) {
     let loaded = load_scene(&file("s.ron", scene), &mut InputFiles::default());
     match loaded {
         Ok(input) => render(&input.scene),
@@ -48,9 +48,9 @@ fn render(scene: &Scene) {
         Default::default()
     };
     let target = scene.origin + middle;
-    let away = size.max_element().max(1e-6) * 1.5;
-    for eye in [target + away, target + 1e-3 * away] {
-        // Far from the origin a small scene may have no room for a camera of its own.
+    let distance = size.max_element().max(1e-6) * 1.5;
+    for eye in [target + distance, target + 1e-3 * distance] {
+        // Far from the origin the eye and the middle of a small scene may round to one point.
         let Ok(camera) = Camera::look_at(eye, target, 0.8) else {
             continue;
         };

@@ -1,9 +1,8 @@
+//! The bytes are a camera path file. If it is accepted, every frame has a camera that is finite and not deformed.
 #![no_main]
-//! The bytes are a camera path file: of those that are accepted the camera of every frame is one.
-
-use flythrough::input::InputFiles;
 
 use flythrough::camera_formats::load_camera_path;
+use flythrough::input::InputFiles;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let file = flythrough_fuzz::file("p.ron", bytes);
@@ -17,9 +16,9 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     {
         let camera = input.path.camera(frame);
         assert!(camera.position.is_finite(), "{frame}: {camera:?}");
-        let turned = camera.rotation * camera.rotation.transpose();
+        let product = camera.rotation * camera.rotation.transpose();
         assert!(
-            turned.abs_diff_eq(Default::default(), 1e-9),
+            product.abs_diff_eq(Default::default(), 1e-9),
             "{frame}: {camera:?}"
         );
         let height = camera.half_height;

@@ -1,10 +1,9 @@
+//! The bytes are a camera file of another program. If it is accepted, the camera path file that is made of it has the
+//! same cameras.
 #![no_main]
-//! The bytes are a file of another program: of those that are accepted every camera is one, and the camera path
-//! file that is made of them has the same.
 
 use flythrough::camera::FrameCameras;
-use flythrough::camera_formats::camera_path_to_ron;
-use flythrough::camera_formats::{import_cameras, load_camera_path};
+use flythrough::camera_formats::{camera_path_to_ron, import_cameras, load_camera_path};
 use flythrough::input::InputFiles;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
@@ -19,7 +18,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let file = flythrough_fuzz::file("p.ron", text.as_bytes());
     let loaded = match load_camera_path(&file, &mut InputFiles::default()) {
         Ok(loaded) => FrameCameras::of(&loaded.path),
-        // What is beyond what a path may have is said by the loader.
+        // The loader names what exceeds the limits of a path.
         Err(error) => return assert!(error.to_string().contains("p.ron: ")),
     };
     assert_eq!(loaded.cameras.len(), import.frames.cameras.len());

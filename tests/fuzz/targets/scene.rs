@@ -1,4 +1,4 @@
-#![no_main]
 //! The bytes are a scene file.
+#![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| flythrough_fuzz::look_at(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| flythrough_fuzz::check_scene(bytes));

@@ -2,7 +2,7 @@
 //! "Verteilungsfunktionen").
 
 /// The numbers below `count` by the radical inverse of their index in base 2: every prefix is spread evenly.
-pub(super) fn van_der_corput_order(count: u32) -> impl Iterator<Item = u32> {
+pub fn van_der_corput_order(count: u32) -> impl Iterator<Item = u32> {
     let bits = count.next_power_of_two().trailing_zeros();
     (0..1_u64 << bits)
         .map(move |i| (i as u32).reverse_bits().unbounded_shr(32 - bits))

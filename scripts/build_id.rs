@@ -1,7 +1,7 @@
 //! Build script: the identity of the build, a hash of what decides pixels, for `FLYTHROUGH_BUILD`.
 //!
-//! It is taken from sources, so it is the same for debug and release, on whatever machine they are compiled: the code of
-//! all modules but those that only request or show frames, and the versions of the libraries that read inputs,
+//! It is taken from sources, so it is the same for debug and release, on whatever machine they are compiled: the code
+//! of all modules but those that only request or show frames, and the versions of the libraries that read inputs,
 //! compute or encode. Comments, blank lines, indentation and tests do not count.
 #![expect(
     clippy::print_stdout,

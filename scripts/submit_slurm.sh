@@ -35,7 +35,7 @@ done
 frames_dir=$3 video=$4
 render=("$FLYTHROUGH" render "$1" "$2" --out "$frames_dir" "${@:5}")
 
-# What the frames are to be; frames that are there of something else count as missing from now on.
+# Records the expected frames; frames that are there of something else count as missing from now on.
 "${render[@]}" --prepare sequence
 mkdir -p "$frames_dir/logs"
 entry() { "$FLYTHROUGH" status "$frames_dir" --get "$1"; }

@@ -3,7 +3,8 @@
 use crate::math::color::{linear_to_srgb, srgb_to_linear};
 use glam::Vec3;
 
-/// A frame: linear RGB with sRGB primaries, rows from the top, each from the left.
+/// A frame: linear RGB radiance with sRGB primaries, rows from the top, each from the left. [`Film::expose`] scales it
+/// to units of display white.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     width: u32,

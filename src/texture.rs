@@ -36,8 +36,8 @@ impl Texture {
         self.texels.len() * size_of::<[u8; 3]>()
     }
 
-    /// The linear colour at `uv`: (0, 0) is the lower left corner of the image, (1, 1) the upper right
-    /// one, and it repeats beyond. Texel centres lie at half-integers; between them the decoded colours are interpolated
+    /// The linear colour at `uv`: (0, 0) is the lower left corner of the image, (1, 1) the upper right one, and it
+    /// repeats beyond. Texel centres lie at half-integers; between them the decoded colours are interpolated
     /// bilinearly. A coordinate that is not finite counts as 0.
     pub fn sample(&self, uv: Vec2) -> Vec3 {
         let (x0, x1, fx) = neighbours(uv.x, self.width);

@@ -10,7 +10,7 @@ const MARGIN: f64 = 1e-4;
 
 /// Distances within this relative difference count as equal, and the lowest number decides: 2^-28 and
 /// rounding.
-pub const SAME_DISTANCE: f64 = 4e-9;
+pub const DISTANCE_TOLERANCE: f64 = 4e-9;
 
 /// Where a line meets the plane of a triangle, by Cramer's rule in double precision, and the weights of
 /// its second and third vertex there.
@@ -55,7 +55,7 @@ pub fn disagreement(
         return nearest.map(|t| format!("missed a hit at {t}: {ray:?}"));
     };
     let t = hit.t;
-    if let Some(nearest) = nearest.filter(|nearest| t > nearest * (1.0 + SAME_DISTANCE)) {
+    if let Some(nearest) = nearest.filter(|nearest| t > nearest * (1.0 + DISTANCE_TOLERANCE)) {
         return Some(format!("{t} behind {nearest}: {ray:?}"));
     }
     let is_there = match triangles.get(hit.primitive as usize) {

@@ -3,8 +3,8 @@
 #![allow(clippy::print_stdout, reason = "the seed of a failure is shown")]
 
 use super::bvh::Bvh;
+use super::query_state::QueryState;
 use super::ray_packet::RayPacket;
-use super::traversal::Traversal;
 use crate::geometry::{Hit, Sphere};
 use crate::math::Ray;
 use crate::sampling::Random;
@@ -145,28 +145,28 @@ fn check_scene(random: &mut Numbers) {
             Ray::new(origin * scale + shift, direction)
         })
         .collect();
-    let mut traversal = Traversal::default();
+    let mut query_state = QueryState::default();
     let mut brute = Bvh::new(&triangles, spheres.clone(), Kernel::PORTABLE);
     assert_eq!(brute.validate(), Ok(()));
     brute.nodes.clear();
     check_packets(&brute, &rays);
     let expected: Vec<Option<Hit>> = rays
         .iter()
-        .map(|ray| brute.closest(ray, &mut traversal))
+        .map(|ray| brute.closest(ray, &mut query_state))
         .collect();
     for kernel in Kernel::available() {
         let bvh = Bvh::new(&triangles, spheres.clone(), kernel);
         check_packets(&bvh, &rays);
         for (ray, expected) in rays.iter().zip(&expected) {
-            assert_eq!(bvh.closest(ray, &mut traversal), *expected, "{ray:?}");
+            assert_eq!(bvh.closest(ray, &mut query_state), *expected, "{ray:?}");
         }
     }
 }
 
 /// Whether each ray is occluded, by packets of rays as they come.
-fn occluded_in_packets(bvh: &Bvh, rays: &[Ray], traversal: &mut Traversal) -> Vec<bool> {
+fn occluded_in_packets(bvh: &Bvh, rays: &[Ray], query_state: &mut QueryState) -> Vec<bool> {
     let of_packet = |rays: &[Ray]| {
-        let occluded = bvh.occluded_coherent(&RayPacket::new(rays), traversal);
+        let occluded = bvh.occluded_coherent(&RayPacket::new(rays), query_state);
         (0..rays.len()).map(move |lane| occluded >> lane & 1 != 0)
     };
     rays.chunks(PACKET_WIDTH).flat_map(of_packet).collect()
@@ -174,13 +174,13 @@ fn occluded_in_packets(bvh: &Bvh, rays: &[Ray], traversal: &mut Traversal) -> Ve
 
 /// Incoherent rays and rays of a packet find what they find alone: as they come, and side by side.
 pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
-    let mut traversal = Traversal::default();
+    let mut query_state = QueryState::default();
     let mut hits = vec![None; rays.len()];
-    bvh.closest_incoherent(rays, &mut hits, &mut traversal);
-    let occluded = occluded_in_packets(bvh, rays, &mut traversal);
+    bvh.closest_incoherent(rays, &mut hits, &mut query_state);
+    let occluded = occluded_in_packets(bvh, rays, &mut query_state);
     for ((ray, hit), occluded) in rays.iter().zip(hits).zip(occluded) {
-        assert_eq!(hit, bvh.closest(ray, &mut traversal), "{ray:?}");
-        assert_eq!(occluded, bvh.occluded(ray, &mut traversal), "{ray:?}");
+        assert_eq!(hit, bvh.closest(ray, &mut query_state), "{ray:?}");
+        assert_eq!(occluded, bvh.occluded(ray, &mut query_state), "{ray:?}");
     }
     let beside = |ray: &Ray, i: usize| {
         let turned = ray.direction + ray.direction.yzx() * (i as f32 * 1e-3);
@@ -193,9 +193,9 @@ pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
         .collect();
     for rays in rays.chunks(PACKET_WIDTH).chain(beside.chunks(PACKET_WIDTH)) {
         let mut hits = vec![None; rays.len()];
-        bvh.closest_coherent(rays, &mut hits, &mut traversal);
+        bvh.closest_coherent(rays, &mut hits, &mut query_state);
         for (ray, hit) in rays.iter().zip(&hits) {
-            assert_eq!(*hit, bvh.closest(ray, &mut traversal), "{ray:?}");
+            assert_eq!(*hit, bvh.closest(ray, &mut query_state), "{ray:?}");
         }
         let shadow_rays: Vec<Ray> = (0..)
             .zip(rays.iter().zip(&hits))
@@ -204,9 +204,9 @@ pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
                 ..*ray
             })
             .collect();
-        let occluded = occluded_in_packets(bvh, &shadow_rays, &mut traversal);
+        let occluded = occluded_in_packets(bvh, &shadow_rays, &mut query_state);
         for (ray, occluded) in shadow_rays.iter().zip(occluded) {
-            assert_eq!(occluded, bvh.occluded(ray, &mut traversal), "{ray:?}");
+            assert_eq!(occluded, bvh.occluded(ray, &mut query_state), "{ray:?}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Nodes of eight children, and the ray-box test (slabs with conservative rounding: Ize 2013, "Robust BVH Ray
 //! Traversal", JCGT 2(2)).
 
-use super::limits::WIDTH;
+use super::constants::WIDTH;
 use super::rounding::{BOX_PADDING, origin_magnitude, padded};
 use crate::math::{Aabb, Ray};
 use crate::simd::Floats;
@@ -50,7 +50,7 @@ impl Child {
 /// The boxes of up to eight children, plane by plane, and what they are.
 ///
 /// Planes are ordered min x, y, z, max x, y, z, of boxes that are grown in proportion to their
-/// coordinates. SetBits without a child hold the empty box, which no ray enters.
+/// coordinates. Lanes without a child hold the empty box, which no ray enters.
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {

@@ -1,8 +1,8 @@
 //! The results of a packet query while it traverses the tree.
 
-use super::limits::WIDTH;
+use super::constants::WIDTH;
+use super::hit_filter::{DISTANCE_PADDING, accept_hit};
 use super::packet_intersector::PacketIntersector;
-use super::query::{DISTANCE_PADDING, record};
 use super::ray_packet::RayPacket;
 use super::rounding::triangle_padding;
 use super::triangle_block::TriangleBlock;
@@ -11,7 +11,7 @@ use crate::geometry::{Hit, Sphere, TrianglePlane};
 use crate::math::Ray;
 use crate::simd::{Floats, PACKET_WIDTH, SetBits, Simd};
 
-/// From so many rays on, their distances to a triangle's plane are computed for the whole packet at once.
+/// At least this many rays: their parameters at a triangle's plane are computed for the whole packet at once.
 const MIN_RAYS_FOR_PACKET_PLANES: u32 = 5;
 
 /// The hits of a packet, and the distance up to which each ray still looks: negative if it is done.
@@ -44,8 +44,8 @@ impl PacketHits {
     }
 
     #[inline(always)]
-    fn record<const ANY_HIT: bool>(&mut self, ray: &Ray, lane: usize, t: f64, primitive: u32) {
-        if record::<ANY_HIT>(ray, t, primitive, &mut self.best[lane]) {
+    fn accept_hit<const ANY_HIT: bool>(&mut self, ray: &Ray, lane: usize, t: f64, primitive: u32) {
+        if accept_hit::<ANY_HIT>(ray, t, primitive, &mut self.best[lane]) {
             self.limits[lane] = -1.0;
         } else if !ANY_HIT {
             self.limits[lane] = self.best[lane].t as f32 * DISTANCE_PADDING;
@@ -65,7 +65,7 @@ impl PacketHits {
         for lane in SetBits(active) {
             let ray = rays.packet.ray(lane);
             if let Some(t) = sphere.intersect(&ray) {
-                self.record::<ANY_HIT>(&ray, lane, t, primitive);
+                self.accept_hit::<ANY_HIT>(&ray, lane, t, primitive);
             }
         }
     }
@@ -110,9 +110,9 @@ impl PacketHits {
                 if !is_inside {
                     let (origin, direction) = rays.line(lane);
                     let padding = triangle_padding(magnitude + plane.magnitude());
-                    t = plane.distance_in_box(origin, direction, padding, t);
+                    t = plane.clamp_to_box(origin, direction, padding, t);
                 }
-                self.record::<ANY_HIT>(&rays.packet.ray(lane), lane, t, primitive);
+                self.accept_hit::<ANY_HIT>(&rays.packet.ray(lane), lane, t, primitive);
             }
         }
         changed

@@ -81,8 +81,8 @@ impl<V: Floats<PACKET_WIDTH>> PacketIntersector<'_, V> {
     #[inline(always)]
     pub(super) fn intersect_plane(&self, triangle: &TrianglePlane, lane: usize) -> (f64, f64) {
         let (origin, direction) = self.line(lane);
-        let t = triangle.distance(origin, direction);
-        (t, triangle.outside(origin + t * direction))
+        let t = triangle.ray_parameter(origin, direction);
+        (t, triangle.distance_outside_box(origin + t * direction))
     }
 
     /// The mask of rays whose lines pass through the sphere.

@@ -1,7 +1,7 @@
 //! Box tests of a packet: for each ray, and for the packet as a whole by interval arithmetic (Boulos et al.
 //! 2006, "Geometric and Arithmetic Culling Methods for Entire Ray Packets").
 
-use super::limits::WIDTH;
+use super::constants::WIDTH;
 use super::node::{MIN_DIRECTION, Node};
 use super::packet_intersector::PacketIntersector;
 use super::rounding::BOX_PADDING;

@@ -6,7 +6,7 @@
 //!
 //! Indices wrap, so no access needs a check; the builder bounds the depth of trees so that they never do.
 
-use super::limits::{MAX_DEPTH, WIDTH};
+use super::constants::{MAX_DEPTH, WIDTH};
 
 /// A node leaves at most seven children on the stack when traversal descends one level.
 const STACK_SIZE: usize = 1024;

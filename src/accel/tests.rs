@@ -4,7 +4,7 @@ use super::brute_force::disagreement;
 use super::bvh::Bvh;
 use super::fuzz::check_packets;
 use super::node::Child;
-use super::traversal::Traversal;
+use super::query_state::QueryState;
 use super::validate::BvhError;
 use crate::geometry::Sphere;
 use crate::math::{Aabb, Ray};
@@ -18,17 +18,17 @@ fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
     for kernel in Kernel::available() {
         let bvh = Bvh::new(triangles, spheres.to_vec(), kernel);
         assert_eq!(bvh.validate(), Ok(()));
-        let mut traversal = Traversal::default();
+        let mut query_state = QueryState::default();
         check_packets(&bvh, rays);
         for ray in rays {
-            let hit = bvh.closest(ray, &mut traversal);
+            let hit = bvh.closest(ray, &mut query_state);
             assert_eq!(disagreement(triangles, spheres, ray, hit), None);
             // A shadow ray sees exactly what the nearest-hit query sees.
             for share in [0.5, 1.0, 2.0] {
                 let t_max = hit.map_or(1e30, |h| h.t as f32) * share;
                 let shadow = Ray { t_max, ..*ray };
                 let expected = hit.is_some_and(|h| h.t < f64::from(t_max));
-                assert_eq!(bvh.occluded(&shadow, &mut traversal), expected, "{ray:?}");
+                assert_eq!(bvh.occluded(&shadow, &mut query_state), expected, "{ray:?}");
             }
         }
     }
@@ -119,18 +119,18 @@ fn traversal_of_nan_rays_ends() {
     for kernel in Kernel::available() {
         for (triangles, spheres) in [(&triangles[..], vec![]), (&[], spheres.clone())] {
             let bvh = Bvh::new(triangles, spheres, kernel);
-            let mut traversal = Traversal::default();
+            let mut query_state = QueryState::default();
             for i in 0..216 {
                 let direction = Vec3::new(numbers[i % 6], numbers[i / 6 % 6], numbers[i / 36]);
                 for origin in [Vec3::ZERO, Vec3::splat(nan), Vec3::splat(infinity)] {
                     let ray = Ray::new(origin, direction);
-                    let hit = bvh.closest(&ray, &mut traversal);
+                    let hit = bvh.closest(&ray, &mut query_state);
                     assert!(hit.is_none_or(|hit| hit.t > 0.0));
-                    bvh.occluded(&ray, &mut traversal);
+                    bvh.occluded(&ray, &mut query_state);
                     bvh.closest_coherent(
                         &[ray; PACKET_WIDTH],
                         &mut [None; PACKET_WIDTH],
-                        &mut traversal,
+                        &mut query_state,
                     );
                 }
             }

@@ -1,7 +1,7 @@
 //! Leaves of up to eight triangles, as a structure of arrays.
 
-use super::limits::WIDTH;
-use super::query::{DISTANCE_PADDING, record};
+use super::constants::WIDTH;
+use super::hit_filter::{DISTANCE_PADDING, accept_hit};
 use super::rounding::{BOX_PADDING, origin_magnitude, triangle_padding};
 use super::watertight::ShearedRays;
 use crate::geometry::{Hit, TrianglePlane};
@@ -62,7 +62,7 @@ impl TriangleBlock {
             let lane = passed.trailing_zeros() as usize;
             passed &= passed - 1;
             let t = self.distance(lane, ray);
-            if record::<ANY_HIT>(ray, t, self.ids[lane], best) {
+            if accept_hit::<ANY_HIT>(ray, t, self.ids[lane], best) {
                 return true;
             }
         }
@@ -73,14 +73,14 @@ impl TriangleBlock {
     fn distance(&self, lane: usize, ray: &Ray) -> f64 {
         let plane = TrianglePlane::through(self.triangle(lane));
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-        let t = plane.distance(origin, direction);
+        let t = plane.ray_parameter(origin, direction);
         let magnitude = f64::from(origin_magnitude(ray));
         // False for NaN. Mostly true, and then the triangle's own magnitude is not needed.
-        if plane.outside(origin + t * direction) <= triangle_padding(magnitude) {
+        if plane.distance_outside_box(origin + t * direction) <= triangle_padding(magnitude) {
             t
         } else {
             let padding = triangle_padding(magnitude + plane.magnitude());
-            plane.distance_in_box(origin, direction, padding, t)
+            plane.clamp_to_box(origin, direction, padding, t)
         }
     }
 

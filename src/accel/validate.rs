@@ -1,7 +1,7 @@
 //! Checks of a tree's invariants.
 
 use super::bvh::Bvh;
-use super::limits::{MAX_DEPTH, WIDTH};
+use super::constants::{MAX_DEPTH, WIDTH};
 use super::node::{Child, ROOT};
 use super::rounding::padded;
 use crate::math::Aabb;

@@ -1,8 +1,8 @@
 //! The records of one or more camera paths and their values, as a file keeps them between runs.
 
 use super::candidates::{FrameProbe, candidates};
-use super::gather::{Gathering, Purpose};
-use super::gradients::fit_gradients;
+use super::fit_gradients::fit_gradients;
+use super::gather::{GatherPass, RandomStream};
 use super::placement::{Candidate, Placement, Spacing};
 use crate::camera::CameraPath;
 use crate::integrator::FinalGather;
@@ -50,7 +50,7 @@ const MIN_SECONDARY_RADIUS: f32 = 0.4;
 
 /// Paths of all primary records together: few records get more paths each, at little cost, which lowers the noise
 /// on large flat surfaces.
-const PATHS: usize = 16_000_000;
+const TOTAL_PRIMARY_PATHS: usize = 16_000_000;
 
 /// Bounds of paths per primary record.
 const MIN_PATHS: usize = 160;
@@ -72,21 +72,21 @@ fn radius_scale(refinement_level: u32) -> f32 {
 pub struct BakeState {
     refinement_level: u32,
     seed: u32,
-    /// The names of the paths.
-    paths: Vec<String>,
+    /// The names of the camera paths.
+    camera_paths: Vec<String>,
     /// Cache errors measured since the last path was added.
-    errors: Vec<PathErrors>,
+    errors: Vec<CameraPathErrors>,
     /// By the number of bounces left, less 1.
-    primary: Vec<Layer>,
+    primary: Vec<PlacedRecords>,
     /// Its values are by the number of bounces left, less 1.
-    secondary: Layer,
+    secondary: PlacedRecords,
 }
 
-/// The cache errors in the frames of a path.
+/// The cache errors in the frames of a camera path.
 #[derive(Debug, Serialize, Deserialize)]
-struct PathErrors {
-    /// The path's name.
-    path: String,
+struct CameraPathErrors {
+    /// The name of the camera path.
+    camera_path: String,
     /// The radiance that is displayed as white: errors are relative to it.
     display_white: f32,
     /// By frame.
@@ -95,24 +95,24 @@ struct PathErrors {
 
 /// Records and their values.
 #[derive(Debug, Serialize, Deserialize)]
-struct Layer {
+struct PlacedRecords {
     placement: Placement,
     /// E / π in W/(sr m²), by number of bounces left, for one or more, and by record.
     values: Vec<Vec<Vec3>>,
 }
 
-impl Layer {
-    fn new(scene: &Scene, spacing: Spacing, seed: u32, levels: u32) -> Layer {
-        Layer {
+impl PlacedRecords {
+    fn new(scene: &Scene, spacing: Spacing, seed: u32, bounces: u32) -> PlacedRecords {
+        PlacedRecords {
             placement: Placement::new(scene, spacing, seed),
-            values: vec![Vec::new(); levels as usize],
+            values: vec![Vec::new(); bounces as usize],
         }
     }
 
     /// Records and values in the order of [`IrradianceRecords::compacted`].
     fn compacted(&self) -> (IrradianceRecords, Vec<Vec<Vec3>>) {
         let (records, order) = self.placement.records.compacted();
-        let in_order = |values: &Vec<Vec3>| order.iter().map(|&number| values[number]).collect();
+        let in_order = |values: &Vec<Vec3>| order.iter().map(|&index| values[index]).collect();
         (records, self.values.iter().map(in_order).collect())
     }
 }
@@ -121,7 +121,7 @@ impl BakeState {
     /// The highest refinement level.
     pub const MAX_REFINEMENT: u32 = 3;
 
-    /// The state without paths, where `bounces` bounces are counted. Each refinement level, from 0 to
+    /// The state without records, where `bounces` bounces are counted. Each refinement level, from 0 to
     /// [`BakeState::MAX_REFINEMENT`], has twice as many records as the last and twice as many paths per record.
     pub fn new(scene: &Scene, bounces: u32, seed: u32, refinement_level: u32) -> BakeState {
         let refined = |spacing: Spacing| Spacing {
@@ -134,15 +134,20 @@ impl BakeState {
             } else {
                 MIRRORED
             };
-            Layer::new(scene, refined(spacing), seed, 1)
+            PlacedRecords::new(scene, refined(spacing), seed, 1)
         };
         BakeState {
             refinement_level,
             seed,
-            paths: Vec::new(),
+            camera_paths: Vec::new(),
             errors: Vec::new(),
             primary: (1..=bounces).map(primary).collect(),
-            secondary: Layer::new(scene, refined(SECONDARY), seed, bounces.saturating_sub(1)),
+            secondary: PlacedRecords::new(
+                scene,
+                refined(SECONDARY),
+                seed,
+                bounces.saturating_sub(1),
+            ),
         }
     }
 
@@ -151,28 +156,29 @@ impl BakeState {
         self.refinement_level
     }
 
-    /// The names of the paths whose records it holds, in the order in which they were added.
-    pub fn paths(&self) -> &[String] {
-        &self.paths
+    /// The names of the camera paths whose records it holds, in the order in which they were added.
+    pub fn camera_paths(&self) -> &[String] {
+        &self.camera_paths
     }
 
     /// Whether it holds the records of the path of this name.
-    pub fn covers(&self, name: &str) -> bool {
-        self.paths.iter().any(|path| path == name)
+    pub fn has_camera_path(&self, name: &str) -> bool {
+        self.camera_paths.iter().any(|known| known == name)
     }
 
     /// The cache error of each frame of a path, if it was measured for this display white.
     pub fn errors(&self, name: &str, display_white: f32) -> Option<&[ErrorEstimate]> {
-        let of_path =
-            |errors: &&PathErrors| errors.path == name && errors.display_white == display_white;
+        let of_path = |errors: &&CameraPathErrors| {
+            errors.camera_path == name && errors.display_white == display_white
+        };
         let errors = self.errors.iter().find(of_path)?;
         Some(&errors.errors)
     }
 
     /// Stores the cache error of each frame of a path.
     pub(super) fn set_errors(&mut self, name: &str, display_white: f32, errors: &[ErrorEstimate]) {
-        self.errors.push(PathErrors {
-            path: name.to_owned(),
+        self.errors.push(CameraPathErrors {
+            camera_path: name.to_owned(),
             display_white,
             errors: errors.to_vec(),
         });
@@ -184,8 +190,8 @@ impl BakeState {
 
     /// The irradiance cache that frames use.
     pub fn irradiance_cache(&self) -> IrradianceCache {
-        let primary = |layer: &Layer| {
-            let (records, values) = layer.compacted();
+        let primary = |placed: &PlacedRecords| {
+            let (records, values) = placed.compacted();
             PrimaryIrradiance {
                 values: fit_gradients(&records, &values[0]),
                 records,
@@ -203,7 +209,7 @@ impl BakeState {
     }
 
     /// Adds the records of a path whose frames have `size` columns and rows.
-    pub fn add_path(
+    pub fn add_camera_path(
         &mut self,
         scene: &Scene,
         path: &CameraPath,
@@ -218,7 +224,7 @@ impl BakeState {
         let final_gather = FinalGather::new(scene);
         let secondary = self.gather_secondary(&final_gather);
         self.gather_primary(&final_gather, &secondary, listener);
-        self.paths.push(name.to_owned());
+        self.camera_paths.push(name.to_owned());
         self.errors.clear();
     }
 
@@ -251,8 +257,8 @@ impl BakeState {
                 seed: self.seed,
                 pass,
             };
-            for (layer, seen) in self.primary.iter_mut().zip(candidates(&probe)) {
-                hits.extend(layer.placement.cover(scene, &seen));
+            for (placed, seen) in self.primary.iter_mut().zip(candidates(&probe)) {
+                hits.extend(placed.placement.place_until_covered(scene, &seen));
             }
         }
         hits
@@ -266,7 +272,7 @@ impl BakeState {
         }
         let primary = self.primary.iter().rev();
         let median = primary
-            .map(|layer| &layer.placement)
+            .map(|placed| &placed.placement)
             .find_map(Placement::median_distance);
         let scale = radius_scale(self.refinement_level);
         let min_radius = scale * MIN_SECONDARY_RADIUS * median.unwrap_or(0.0);
@@ -274,31 +280,31 @@ impl BakeState {
             for hit in &mut hits {
                 hit.min_radius = min_radius;
             }
-            hits = self.secondary.placement.cover(scene, &hits);
+            hits = self.secondary.placement.place_until_covered(scene, &hits);
         }
     }
 
     /// Gathers the values of secondary records that have none yet, for one bounce left, for two, and so on, each
     /// from the last.
     fn gather_secondary(&mut self, final_gather: &FinalGather) -> SecondaryIrradiance {
-        let Layer { placement, values } = &mut self.secondary;
+        let PlacedRecords { placement, values } = &mut self.secondary;
         let (records, order) = placement.records.compacted();
         let mut secondary = SecondaryIrradiance {
             min_distance: placement.min_radius(),
             records,
             values: Vec::new(),
         };
-        for (bounces_left, level) in (1..).zip(values) {
-            let gathering = Gathering {
+        for (bounces_left, values_of_bounce) in (1..).zip(values) {
+            let gather_pass = GatherPass {
                 final_gather,
                 bounces_left,
                 paths: SECONDARY_PATHS << self.refinement_level,
-                purpose: Purpose::Secondary,
+                stream: RandomStream::Secondary,
                 seed: self.seed,
             };
-            let new = &placement.points[level.len()..];
-            level.extend(gathering.mean_radiance(new, &secondary, &|| ()));
-            let in_order = order.iter().map(|&number| level[number]);
+            let new = &placement.points[values_of_bounce.len()..];
+            values_of_bounce.extend(gather_pass.mean_radiance(new, &secondary, &|| ()));
+            let in_order = order.iter().map(|&index| values_of_bounce[index]);
             secondary.values.push(in_order.collect());
         }
         secondary
@@ -311,7 +317,8 @@ impl BakeState {
         secondary: &SecondaryIrradiance,
         listener: Listener,
     ) {
-        let missing = |layer: &Layer| layer.placement.points.len() - layer.values[0].len();
+        let missing =
+            |placed: &PlacedRecords| placed.placement.points.len() - placed.values[0].len();
         let all: usize = self.primary.iter().map(missing).sum();
         let done = AtomicUsize::new(0);
         let on_point = || {
@@ -322,24 +329,24 @@ impl BakeState {
             }
         };
         let bounces = self.bounces();
-        let paths = (PATHS / all.max(1)).clamp(MIN_PATHS, MAX_PATHS) as u32;
-        for (bounces_left, layer) in (1..).zip(&mut self.primary) {
+        let paths = (TOTAL_PRIMARY_PATHS / all.max(1)).clamp(MIN_PATHS, MAX_PATHS) as u32;
+        for (bounces_left, placed) in (1..).zip(&mut self.primary) {
             // What is seen in mirrors contributes less to a pixel.
             let paths = if bounces_left < bounces {
                 paths / 2
             } else {
                 paths
             };
-            let gathering = Gathering {
+            let gather_pass = GatherPass {
                 final_gather,
                 bounces_left,
                 paths: paths << self.refinement_level,
-                purpose: Purpose::Primary,
+                stream: RandomStream::Primary,
                 seed: self.seed,
             };
-            let values = &mut layer.values[0];
-            let new = &layer.placement.points[values.len()..];
-            values.extend(gathering.mean_radiance(new, secondary, &on_point));
+            let values = &mut placed.values[0];
+            let new = &placed.placement.points[values.len()..];
+            values.extend(gather_pass.mean_radiance(new, secondary, &on_point));
         }
     }
 }

@@ -1,11 +1,11 @@
 //! Candidates for primary records: points that the pixels of a frame see.
 
 use super::placement::Candidate;
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::camera::Camera;
 use crate::integrator::visible_points;
 use crate::math::Ray;
-use crate::sampling::{Sequence, van_der_corput_order};
+use crate::sampling::{SobolSequence, van_der_corput_order};
 use crate::scene::Scene;
 use glam::DVec2;
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// Side of the squares of pixels that each get one camera ray.
 const STRIDE: f64 = 8.0;
 
-/// Frames of fewer rows are probed as if they had so many, so that small frames get as many candidates.
+/// Frames of fewer rows are probed as if they had this many, so that small frames get as many candidates.
 const MIN_ROWS: u32 = 240;
 
 /// Neighbouring rays that are traced together.
@@ -44,15 +44,15 @@ pub(super) fn candidates(probe: &FrameProbe) -> Vec<Vec<Candidate>> {
     // Size of a pixel, in pixels of the frame, if the frame had at least `MIN_ROWS` rows.
     let pixel = f64::from(height) / f64::from(height.max(MIN_ROWS));
     let pixel_angle = (pixel * 2.0 * probe.camera.half_height / f64::from(height)) as f32;
-    let shift = Sequence::new(probe.seed, 0, 0, 0).sample_2d(probe.pass, 0);
+    let shift = SobolSequence::new(probe.seed, 0, 0, 0).sample_2d(probe.pass, 0);
     let shift = DVec2::new(shift[0].into(), shift[1].into());
     let stride = STRIDE * pixel;
     let squares = |pixels: u32| (f64::from(pixels) / stride).ceil() as u32;
     let (columns, rows) = (squares(width), squares(height));
-    let ray = |number: u32| -> Option<Ray> {
-        let square = DVec2::new((number % columns).into(), (number / columns).into());
+    let ray = |index: u32| -> Option<Ray> {
+        let square = DVec2::new((index % columns).into(), (index / columns).into());
         let film = (square + shift) * stride;
-        let is_on_film = number < columns * rows && film.x < width.into() && film.y < height.into();
+        let is_on_film = index < columns * rows && film.x < width.into() && film.y < height.into();
         is_on_film.then(|| rays.through(film))
     };
     let visible: Vec<_> = (0..(columns * rows).div_ceil(BATCH))
@@ -61,7 +61,7 @@ pub(super) fn candidates(probe: &FrameProbe) -> Vec<Vec<Candidate>> {
             let rays: Vec<Ray> = (batch * BATCH..(batch + 1) * BATCH)
                 .filter_map(ray)
                 .collect();
-            visible_points(probe.scene, &rays, bounces, &mut Traversal::default())
+            visible_points(probe.scene, &rays, bounces, &mut QueryState::default())
         })
         .collect();
     let with_bounces = |bounces_left: u32| {
@@ -71,7 +71,7 @@ pub(super) fn candidates(probe: &FrameProbe) -> Vec<Vec<Candidate>> {
             .collect();
         let pixels = probe.min_pixels[usize::from(bounces_left < bounces)];
         van_der_corput_order(visible.len() as u32)
-            .map(|number| visible[number as usize])
+            .map(|index| visible[index as usize])
             .map(|visible| Candidate {
                 point: visible.point,
                 min_radius: pixels * pixel_angle * visible.distance,

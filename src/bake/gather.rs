@@ -1,9 +1,9 @@
 //! Gathers the values of records: a final gather at each of them.
 
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::integrator::{FinalGather, GatherPoint};
 use crate::irradiance_cache::SecondaryIrradiance;
-use crate::sampling::Sequence;
+use crate::sampling::SobolSequence;
 use crate::scene::SurfacePoint;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -13,7 +13,7 @@ const BATCH: usize = 16;
 
 /// What samples are for. Samples of different purposes are independent.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Purpose {
+pub(super) enum RandomStream {
     Probe,
     Secondary,
     Primary,
@@ -23,28 +23,28 @@ pub(super) enum Purpose {
 pub(super) fn sequence_of(
     point: &SurfacePoint,
     seed: u32,
-    purpose: Purpose,
+    stream: RandomStream,
     bounces_left: u32,
-) -> Sequence {
+) -> SobolSequence {
     let [x, y, z] = point.position.to_array().map(f32::to_bits);
     let [nx, ny, nz] = point.shading_normal.to_array().map(f32::to_bits);
     let side = nx ^ ny.rotate_left(11) ^ nz.rotate_left(22);
-    let purpose = (purpose as u32) << 8 | bounces_left;
-    Sequence::new(seed ^ side, purpose ^ x.rotate_left(16), y, z)
+    let stream = (stream as u32) << 8 | bounces_left;
+    SobolSequence::new(seed ^ side, stream ^ x.rotate_left(16), y, z)
 }
 
 /// How the values of records are gathered.
-pub(super) struct Gathering<'a> {
+pub(super) struct GatherPass<'a> {
     pub(super) final_gather: &'a FinalGather<'a>,
     /// How many bounces are left at the records, at least one.
     pub(super) bounces_left: u32,
     /// Paths per record.
     pub(super) paths: u32,
-    pub(super) purpose: Purpose,
+    pub(super) stream: RandomStream,
     pub(super) seed: u32,
 }
 
-impl Gathering<'_> {
+impl GatherPass<'_> {
     /// Mean incident radiance at each point, E / π in W/(sr m²). Paths end at the first hit that the secondary
     /// records cover. `on_point` is called once per finished point.
     pub(super) fn mean_radiance(
@@ -56,17 +56,17 @@ impl Gathering<'_> {
         let of_batch = |points: &[SurfacePoint]| {
             let gather_point = |point: &SurfacePoint| GatherPoint {
                 point: *point,
-                sequence: sequence_of(point, self.seed, self.purpose, self.bounces_left),
+                sequence: sequence_of(point, self.seed, self.stream, self.bounces_left),
                 index: 0,
             };
             let points: Vec<GatherPoint> = points.iter().map(gather_point).collect();
-            let mut traversal = Traversal::default();
+            let mut query_state = QueryState::default();
             let mean_radiance = self.final_gather.gather(
                 &points,
                 self.bounces_left,
                 self.paths,
                 Some(secondary),
-                &mut traversal,
+                &mut query_state,
             );
             points.iter().for_each(|_| on_point());
             mean_radiance

@@ -14,8 +14,8 @@
 mod bake_state;
 mod cache_file;
 mod candidates;
+mod fit_gradients;
 mod gather;
-mod gradients;
 mod placement;
 mod validation;
 
@@ -36,7 +36,8 @@ pub struct Baked {
     pub cache: IrradianceCache,
     /// The cache error of each frame of the path; empty if there are no bounces.
     pub errors: Vec<ErrorEstimate>,
-    /// Whether the cache error leaves room for the target error. True if there is none.
+    /// Whether the upper 95 % bound of the cache error is within its part of the target error: half, or all where
+    /// camera samples have no noise. True without a target.
     pub reaches_target: bool,
 }
 
@@ -58,9 +59,9 @@ pub fn bake(
     let new = |refinement_level| BakeState::new(scene, bounces, settings.seed, refinement_level);
     let mut state = given.unwrap_or_else(|| new(0));
     loop {
-        if !state.covers(name) {
+        if !state.has_camera_path(name) {
             let size = (settings.width, settings.height);
-            state.add_path(scene, path, name, size, listener);
+            state.add_camera_path(scene, path, name, size, listener);
         }
         listener(0.97, "cache error");
         let cache = state.irradiance_cache();

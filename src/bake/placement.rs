@@ -3,10 +3,10 @@
 //! Caching Practical: Adaptive Caching and Neighbor Clamping"; also Krivanek and Gautron 2009, "Practical Global
 //! Illumination with Irradiance Caching").
 
-use super::gather::{Purpose, sequence_of};
-use crate::accel::Traversal;
+use super::gather::{RandomStream, sequence_of};
+use crate::accel::QueryState;
 use crate::irradiance_cache::{IrradianceRecord, IrradianceRecords, OccluderPlanes};
-use crate::material::Only;
+use crate::material::FeatureMask;
 use crate::math::Ray;
 use crate::sampling::uniform_sphere;
 use crate::scene::{Scene, SurfacePoint};
@@ -80,7 +80,7 @@ impl Placement {
 
     /// The smallest radius of a record; 0 without records.
     pub(super) fn min_radius(&self) -> f32 {
-        let radii = (0..self.records.len()).map(|number| self.records[number].radius);
+        let radii = (0..self.records.len()).map(|index| self.records[index].radius);
         radii.reduce(f32::min).unwrap_or(0.0)
     }
 
@@ -91,7 +91,7 @@ impl Placement {
             ..
         } = candidate.point;
         self.records
-            .cover(position, shading_normal, self.spacing.max_distance)
+            .covers(position, shading_normal, self.spacing.max_distance)
     }
 
     fn uncovered(&self, candidates: &[Candidate]) -> Vec<Candidate> {
@@ -107,7 +107,11 @@ impl Placement {
     ///
     /// Candidates are probed in groups: large enough for all threads, and small enough that few of a group are
     /// covered by another record of it, which wastes their probe.
-    pub(super) fn cover(&mut self, scene: &Scene, candidates: &[Candidate]) -> Vec<Candidate> {
+    pub(super) fn place_until_covered(
+        &mut self,
+        scene: &Scene,
+        candidates: &[Candidate],
+    ) -> Vec<Candidate> {
         let mut hits = Vec::new();
         let uncovered = self.uncovered(candidates);
         let mut rest = &uncovered[..];
@@ -142,19 +146,19 @@ impl Placement {
         } = candidate.point;
         let mut neighbours = Vec::new();
         self.records
-            .visit(position, shading_normal, 1.0, |number, _| {
-                let distance = (self.records[number].position - position).length();
-                neighbours.push((number, distance));
+            .visit(position, shading_normal, 1.0, |index, _| {
+                let distance = (self.records[index].position - position).length();
+                neighbours.push((index, distance));
             });
         let nearest = probe.hits.first().map_or(f32::INFINITY, |hit| hit.1);
         let mut radius = (relative_radius * probe.harmonic_mean).min(nearest);
-        for &(number, distance) in &neighbours {
-            radius = radius.min(self.records[number].radius + relative_radius * distance);
+        for &(index, distance) in &neighbours {
+            radius = radius.min(self.records[index].radius + relative_radius * distance);
         }
         let radius = radius.max(candidate.min_radius);
-        for (number, distance) in neighbours {
+        for (index, distance) in neighbours {
             self.records
-                .shrink(number, radius + relative_radius * distance);
+                .shrink(index, radius + relative_radius * distance);
         }
         self.records.push(IrradianceRecord {
             position,
@@ -168,7 +172,7 @@ impl Placement {
 
     /// Probes the hemisphere with uniform directions, not cosine-weighted: surfaces near the horizon matter, too.
     fn probe(&self, scene: &Scene, point: &SurfacePoint) -> Probe {
-        let sequence = sequence_of(point, self.seed, Purpose::Probe, 0);
+        let sequence = sequence_of(point, self.seed, RandomStream::Probe, 0);
         let ray = |index| {
             let [u, v] = sequence.sample_2d(index, 0);
             let direction = uniform_sphere(u, v);
@@ -177,8 +181,8 @@ impl Placement {
         };
         let rays: Vec<Ray> = (0..self.spacing.probe_rays).map(ray).collect();
         let mut hits = vec![None; rays.len()];
-        let traversal = &mut Traversal::default();
-        scene.closest_incoherent(&rays, &mut hits, traversal);
+        let query_state = &mut QueryState::default();
+        scene.closest_incoherent(&rays, &mut hits, query_state);
         let seen = rays.iter().zip(&hits);
         let seen: Vec<_> = seen
             .filter_map(|(ray, hit)| Some((ray, hit.as_ref()?)))
@@ -188,7 +192,7 @@ impl Placement {
         // Infinite if all rays leave the scene.
         let size = scene.bounds().extent().max_element();
         let hits = seen.iter().map(|(ray, hit)| {
-            let point = scene.surface::<Only<0>>(ray, hit).point;
+            let point = scene.surface::<FeatureMask<0>>(ray, hit).point;
             (point, hit.t as f32)
         });
         let mut hits: Vec<(SurfacePoint, f32)> = hits.collect();

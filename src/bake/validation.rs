@@ -6,11 +6,11 @@ use crate::integrator::{IntegratorError, IntegratorSettings};
 use crate::irradiance_cache::IrradianceCache;
 use crate::metrics::{BiasCheck, HeldOutPixel};
 use crate::render::{ErrorEstimate, PixelSampling, RenderSettings, Renderer};
-use crate::sampling::Sequence;
+use crate::sampling::SobolSequence;
 use crate::scene::Scene;
 use rayon::prelude::*;
 
-/// One of so many pixels of a sequence is held out.
+/// One pixel of this many in a sequence is held out.
 const PIXELS_PER_HELD_OUT: u64 = 1 << 14;
 
 /// Bounds of the number of held-out pixels.
@@ -59,10 +59,10 @@ pub fn cache_errors(
     let (width, height) = (settings.width, settings.height);
     let all = frames * u64::from(width) * u64::from(height);
     let count = (all / PIXELS_PER_HELD_OUT).clamp(MIN_HELD_OUT, MAX_HELD_OUT);
-    let positions = Sequence::new(cached.settings().seed, 0, 0, 0);
+    let positions = SobolSequence::new(cached.settings().seed, 0, 0, 0);
     let of_frame = |frame: u64| {
-        let pixel = |number: u64| {
-            let [u, v] = positions.sample_2d(number as u32, 0);
+        let pixel = |index: u64| {
+            let [u, v] = positions.sample_2d(index as u32, 0);
             let [x, y] = [(u, width), (v, height)].map(|(u, size)| (u * size as f32) as u32);
             (x.min(width - 1), y.min(height - 1))
         };
@@ -86,7 +86,7 @@ pub fn cache_errors(
         let first = middle.saturating_sub(WINDOW / 2).min(last);
         let check = BiasCheck::of(&held_out[first..first + WINDOW], exposure);
         ErrorEstimate {
-            relative_square_error: check.squared_bias.mean.max(0.0),
+            rel_mse: check.squared_bias.mean.max(0.0),
             standard_error: check.squared_bias.error,
         }
     };

@@ -1,7 +1,7 @@
 //! Arc length of a curve by adaptive Gauss-Legendre quadrature, and its inverse by Newton's method.
 
+use super::hermite::Interpolable;
 use super::track::CurveSegment;
-use super::value::Value;
 
 /// The arc length of a curve in a vector space, to [`ArcLength::ACCURACY`].
 #[derive(Clone, Debug)]
@@ -19,7 +19,7 @@ impl ArcLength {
     /// Limit of the bisection: shorter parts are below double precision.
     const MAX_DEPTH: u32 = 40;
 
-    pub(super) fn of<T: Value>(segment: &CurveSegment<T>) -> ArcLength {
+    pub(super) fn of<T: Interpolable>(segment: &CurveSegment<T>) -> ArcLength {
         let mut measured = ArcLength {
             parameters: vec![0.0],
             lengths: vec![0.0],
@@ -35,7 +35,7 @@ impl ArcLength {
     }
 
     /// Adds the part between two parameters, of `length` by one quadrature, bisected until its halves agree with it.
-    fn add<T: Value>(
+    fn add<T: Interpolable>(
         &mut self,
         segment: &CurveSegment<T>,
         [start, end]: [f64; 2],
@@ -58,7 +58,11 @@ impl ArcLength {
     }
 
     /// The curve parameter at an arc length from the start.
-    pub(super) fn parameter_at<T: Value>(&self, segment: &CurveSegment<T>, length: f64) -> f64 {
+    pub(super) fn parameter_at<T: Interpolable>(
+        &self,
+        segment: &CurveSegment<T>,
+        length: f64,
+    ) -> f64 {
         let after = self.lengths.partition_point(|&l| l <= length);
         if after == 0 || after == self.lengths.len() {
             return if after == 0 { 0.0 } else { 1.0 };
@@ -92,7 +96,7 @@ impl ArcLength {
 
 /// The length between two curve parameters by 8-point Gauss-Legendre quadrature, which is exact for polynomials up to
 /// degree 15.
-fn quadrature<T: Value>(segment: &CurveSegment<T>, start: f64, end: f64) -> f64 {
+fn quadrature<T: Interpolable>(segment: &CurveSegment<T>, start: f64, end: f64) -> f64 {
     /// Positive abscissae on -1 to 1, and their weights.
     const POINTS: [[f64; 2]; 4] = [
         [0.183_434_642_495_649_8, 0.362_683_783_378_362],

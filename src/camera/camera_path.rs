@@ -1,13 +1,13 @@
 //! The camera path: keys in, a camera for every frame out.
 
-use super::error::PathError;
+use super::error::CameraPathError;
 use super::key_checks;
-use super::keyframe::{Interpolation, Keyframe, PathTiming, Segment, Speed};
+use super::keyframe::{CameraPathTiming, Interpolation, Keyframe, Segment, Speed};
 use super::look_at::LookAt;
 use super::orientation_track::{OrientationMode, OrientationTrack};
 use super::position_timing::PositionTiming;
 use super::ramp::Ramp;
-use super::track::{CurveParameter, Track, TrackInput};
+use super::track::{Track, TrackInput, TrackTime};
 use super::{Camera, Timeline};
 use glam::DVec3;
 
@@ -26,14 +26,18 @@ pub struct CameraPath {
     log_half_heights: Track<f64>,
     /// When each key is passed.
     keys: Vec<f64>,
-    /// Curve times at which the camera jumps; rising.
+    /// Eased times of the cuts; rising.
     cuts: Vec<f64>,
 }
 
 impl CameraPath {
-    /// Checks the keys and the camera of every frame. If all keys have a look_at point, the point is interpolated; if all
-    /// have angles, the angles are; otherwise all orientations become rotations.
-    pub fn new(fps: f64, keys: &[Keyframe], timing: &PathTiming) -> Result<CameraPath, PathError> {
+    /// Checks the keys and the camera of every frame. If all keys have a look_at point, the point is interpolated; if
+    /// all have angles, the angles are; otherwise all orientations become rotations.
+    pub fn new(
+        fps: f64,
+        keys: &[Keyframe],
+        timing: &CameraPathTiming,
+    ) -> Result<CameraPath, CameraPathError> {
         key_checks::check(keys, timing)?;
         let times: Vec<f64> = keys.iter().map(|key| key.time).collect();
         let timeline = Timeline {
@@ -104,19 +108,15 @@ impl CameraPath {
     /// Where the camera is at each key, in world coordinates.
     pub fn key_positions(&self) -> Vec<DVec3> {
         let keys = 0..self.keys.len();
-        keys.map(|key| self.positions.position(CurveParameter::AtKey(key)))
+        keys.map(|key| self.positions.position(TrackTime::AtKey(key)))
             .collect()
     }
 
     /// The cameras at the keys, each with the time at which it is passed.
     pub fn key_cameras(&self) -> Vec<(f64, Camera)> {
         let keys = self.keys.iter().enumerate();
-        let camera = |key, time| {
-            Some((
-                time,
-                self.evaluate(CurveParameter::AtKey(key), 0, time).ok()?.0,
-            ))
-        };
+        let camera =
+            |key, time| Some((time, self.evaluate(TrackTime::AtKey(key), 0, time).ok()?.0));
         keys.filter_map(|(key, &time)| camera(key, time)).collect()
     }
 
@@ -137,10 +137,10 @@ impl CameraPath {
         } else {
             self.timeline.end
         };
-        let here = self.curve_time(self.timeline.time_of(frame));
+        let here = self.eased_time(self.timeline.time_of(frame));
         let after = self.cuts.partition_point(|&cut| cut <= here);
         let cut = self.cuts.get(after);
-        cut.is_some_and(|&cut| cut <= self.curve_time(next))
+        cut.is_some_and(|&cut| cut <= self.eased_time(next))
     }
 
     /// The camera of a frame, below the timeline's frame count.
@@ -150,38 +150,42 @@ impl CameraPath {
     }
 
     /// The camera at a time between the first and the last key. An error is about a frame.
-    pub(super) fn camera_at(&self, time: f64, frame: u32) -> Result<Camera, PathError> {
+    pub(super) fn camera_at(&self, time: f64, frame: u32) -> Result<Camera, CameraPathError> {
         Ok(self.evaluate_at(time, frame)?.0)
     }
 
     /// The camera at a time and, if the path has look_at points, how it looks at its point.
-    fn evaluate_at(&self, time: f64, frame: u32) -> Result<(Camera, Option<LookAt>), PathError> {
-        let parameter = CurveParameter::of(self.positions.times(), self.curve_time(time));
-        self.evaluate(parameter, frame, time)
+    fn evaluate_at(
+        &self,
+        time: f64,
+        frame: u32,
+    ) -> Result<(Camera, Option<LookAt>), CameraPathError> {
+        let track_time = TrackTime::of(self.positions.times(), self.eased_time(time));
+        self.evaluate(track_time, frame, time)
     }
 
-    /// As [`CameraPath::evaluate_at`], at a parameter of the curves; an error names `frame` and `time`.
+    /// As [`CameraPath::evaluate_at`], at a time among the keys; an error names `frame` and `time`.
     fn evaluate(
         &self,
-        parameter: CurveParameter,
+        track_time: TrackTime,
         frame: u32,
         time: f64,
-    ) -> Result<(Camera, Option<LookAt>), PathError> {
-        let position = self.positions.position(parameter);
+    ) -> Result<(Camera, Option<LookAt>), CameraPathError> {
+        let position = self.positions.position(track_time);
         let (rotation, look_at) = self
             .orientations
-            .rotation(parameter, position, frame, time)?;
+            .rotation(track_time, position, frame, time)?;
         let camera = Camera {
             position,
             rotation,
-            half_height: libm::exp(self.log_half_heights.at(parameter)),
+            half_height: libm::exp(self.log_half_heights.at(track_time)),
         };
         Ok((camera, look_at))
     }
 
-    /// The time on the curves at a time of the video: what the ramp makes of it, snapped to a key's time where only
-    /// rounding separates them.
-    fn curve_time(&self, time: f64) -> f64 {
+    /// The eased time at a time of the video: what the ramp makes of it, snapped to a key's time where only rounding
+    /// separates them.
+    fn eased_time(&self, time: f64) -> f64 {
         let Timeline {
             start, end, fps, ..
         } = self.timeline;
@@ -203,7 +207,7 @@ impl CameraPath {
     }
 
     /// Checks that every frame has a camera, and that the camera does not pass its look_at point between two frames.
-    fn check_frames(&self) -> Result<(), PathError> {
+    fn check_frames(&self) -> Result<(), CameraPathError> {
         let count = self.timeline.frame_count();
         let mut before: Option<LookAt> = None;
         for frame in 0..count + u32::from(self.is_closed()) {
@@ -212,7 +216,7 @@ impl CameraPath {
             let size = camera.half_height;
             let is_finite = camera.position.is_finite() && camera.rotation.is_finite();
             if !(is_finite && size > 0.0 && size.is_finite()) {
-                return Err(PathError::NoCamera { frame, time });
+                return Err(CameraPathError::NoCamera { frame, time });
             }
             if let (Some(before), Some(look_at)) = (&before, &look_at)
                 && !self.is_cut(frame - 1)

@@ -5,14 +5,14 @@ use thiserror::Error;
 /// Why keys do not make a path.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[expect(missing_docs, reason = "each variant is described by its message")]
-pub enum PathError {
+pub enum CameraPathError {
     #[error("there are none; write at least one")]
     NoKeys,
     #[error("key {key}, at {time} s, is not after the key before it; times must rise")]
     TimesDoNotRise { key: usize, time: f64 },
     #[error(
         "key {key} is half a turn from the key before it, so both ways around are equally short; add a \
-         key between them, or give yaw_pitch_roll in all keys, which turns by its numbers"
+         key between them, or give yaw_pitch_roll in all keys, which interpolates the angles as given"
     )]
     HalfTurn { key: usize },
     #[error(

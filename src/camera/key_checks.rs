@@ -1,17 +1,17 @@
 //! What keys must satisfy before a path is made of them: rising times, easing that fits, a closed path that closes.
 
-use super::error::PathError;
-use super::keyframe::{Keyframe, Orientation, PathTiming, Speed};
+use super::error::CameraPathError;
+use super::keyframe::{CameraPathTiming, Keyframe, Orientation, Speed};
 use super::rotation::{roll, yaw_pitch_roll};
 use glam::DMat3;
 
 /// Checks the keys and the timing against each other.
-pub(super) fn check(keys: &[Keyframe], timing: &PathTiming) -> Result<(), PathError> {
+pub(super) fn check(keys: &[Keyframe], timing: &CameraPathTiming) -> Result<(), CameraPathError> {
     let (Some(first), Some(last)) = (keys.first(), keys.last()) else {
-        return Err(PathError::NoKeys);
+        return Err(CameraPathError::NoKeys);
     };
     if let Some(i) = keys.windows(2).position(|k| k[1].time <= k[0].time) {
-        return Err(PathError::TimesDoNotRise {
+        return Err(CameraPathError::TimesDoNotRise {
             key: i + 1,
             time: keys[i + 1].time,
         });
@@ -19,17 +19,17 @@ pub(super) fn check(keys: &[Keyframe], timing: &PathTiming) -> Result<(), PathEr
     let (seconds, duration) = (timing.ease_in + timing.ease_out, last.time - first.time);
     // Allows for the rounding of sums of decimals.
     if seconds > duration * (1.0 + 1e-12) {
-        return Err(PathError::EaseTooLong { seconds, duration });
+        return Err(CameraPathError::EaseTooLong { seconds, duration });
     }
     if timing.closed && (timing.ease_in > 0.0) != (timing.ease_out > 0.0) {
-        return Err(PathError::EasesOneSide);
+        return Err(CameraPathError::EasesOneSide);
     }
     let eases = |key: &Keyframe| key.segment.ease_in || key.segment.ease_out;
     if let (Speed::Constant, Some(key)) = (timing.speed, keys.iter().position(eases)) {
-        return Err(PathError::EaseAtConstantSpeed { key });
+        return Err(CameraPathError::EaseAtConstantSpeed { key });
     }
     match difference(first, last) {
-        Some(what) if timing.closed => Err(PathError::NotClosed { what }),
+        Some(what) if timing.closed => Err(CameraPathError::NotClosed { what }),
         _ => Ok(()),
     }
 }

@@ -63,7 +63,7 @@ pub enum Interpolation<D = DVec3> {
 
 /// The timing of a whole path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathTiming {
+pub struct CameraPathTiming {
     /// How the times of the keys between the first and the last are chosen.
     pub speed: Speed,
     /// Whether the last key repeats the first one and the path loops without a seam.
@@ -84,9 +84,9 @@ pub enum Speed {
     Constant,
 }
 
-impl PathTiming {
+impl CameraPathTiming {
     /// Every key at its time, from the first to the last.
-    pub const BY_KEYS: PathTiming = PathTiming {
+    pub const BY_KEYS: CameraPathTiming = CameraPathTiming {
         speed: Speed::ByKeys,
         closed: false,
         ease_in: 0.0,
@@ -105,7 +105,7 @@ impl Segment {
     }
 
     /// The segment of all other properties: tangents are given for the position alone.
-    pub(super) fn beside_position<D>(&self) -> Segment<D> {
+    pub(super) fn without_tangents<D>(&self) -> Segment<D> {
         Segment {
             interpolation: match self.interpolation {
                 Interpolation::Hold => Interpolation::Hold,

@@ -1,11 +1,11 @@
 //! The orientation of the camera along a path: a look_at point, angles or rotations, whichever the keys give.
 
 use super::Timeline;
-use super::error::PathError;
+use super::error::CameraPathError;
 use super::keyframe::{Interpolation, Keyframe, Orientation};
 use super::look_at::LookAt;
 use super::rotation::{roll, yaw_pitch_roll};
-use super::track::{CurveParameter, Track, TrackInput};
+use super::track::{Track, TrackInput, TrackTime};
 use glam::{DMat3, DQuat, DVec3};
 
 /// How a path gives the orientation of its camera.
@@ -35,7 +35,7 @@ impl OrientationTrack {
         keys: &[Keyframe],
         tracks: &TrackInput,
         timeline: &Timeline,
-    ) -> Result<OrientationTrack, PathError> {
+    ) -> Result<OrientationTrack, CameraPathError> {
         let points = keys.iter().map(|key| match key.orientation {
             Orientation::LookAt { target, roll } => Some((target, roll)),
             _ => None,
@@ -58,11 +58,11 @@ impl OrientationTrack {
         let rotations = keys.iter().map(|key| rotation(key, timeline));
         let rotations: Vec<DQuat> = rotations.collect::<Result<_, _>>()?;
         // Nearer to half a turn than this, the axis of the rotation is rounding error.
-        const SMALLEST_COSINE: f64 = 1e-9;
+        const MIN_COSINE: f64 = 1e-9;
         for (i, pair) in rotations.windows(2).enumerate() {
-            let is_half_turn = pair[0].dot(pair[1]).abs() < SMALLEST_COSINE;
+            let is_half_turn = pair[0].dot(pair[1]).abs() < MIN_COSINE;
             if is_half_turn && tracks.segments[i].interpolation != Interpolation::Hold {
-                return Err(PathError::HalfTurn { key: i + 1 });
+                return Err(CameraPathError::HalfTurn { key: i + 1 });
             }
         }
         Ok(OrientationTrack::Rotation(
@@ -82,26 +82,26 @@ impl OrientationTrack {
     /// `frame` and `time`.
     pub(super) fn rotation(
         &self,
-        parameter: CurveParameter,
+        track_time: TrackTime,
         position: DVec3,
         frame: u32,
         time: f64,
-    ) -> Result<(DMat3, Option<LookAt>), PathError> {
+    ) -> Result<(DMat3, Option<LookAt>), CameraPathError> {
         Ok(match self {
             OrientationTrack::LookAt { targets, rolls } => {
-                let look_at = LookAt::new(position, targets.at(parameter), frame, time)?;
-                (look_at.rotation * roll(rolls.at(parameter)), Some(look_at))
+                let look_at = LookAt::new(position, targets.at(track_time), frame, time)?;
+                (look_at.rotation * roll(rolls.at(track_time)), Some(look_at))
             }
-            OrientationTrack::YawPitchRoll(angles) => (yaw_pitch_roll(angles.at(parameter)), None),
+            OrientationTrack::YawPitchRoll(angles) => (yaw_pitch_roll(angles.at(track_time)), None),
             OrientationTrack::Rotation(rotations) => {
-                (DMat3::from_quat(rotations.at(parameter)), None)
+                (DMat3::from_quat(rotations.at(track_time)), None)
             }
         })
     }
 }
 
 /// The rotation of the camera at a key.
-fn rotation(key: &Keyframe, timeline: &Timeline) -> Result<DQuat, PathError> {
+fn rotation(key: &Keyframe, timeline: &Timeline) -> Result<DQuat, CameraPathError> {
     let matrix = match key.orientation {
         Orientation::Rotation(rotation) => return Ok(rotation),
         Orientation::YawPitchRoll(angles) => yaw_pitch_roll(angles),

@@ -21,7 +21,7 @@ impl Camera {
     pub fn from_axes(position: DVec3, backward: DVec3, up: DVec3, field_of_view: f64) -> Camera {
         Camera {
             position,
-            rotation: rotation::upright(backward.normalize(), up),
+            rotation: rotation::basis_from_backward_up(backward.normalize(), up),
             half_height: libm::tan(0.5 * field_of_view),
         }
     }

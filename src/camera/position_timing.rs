@@ -1,7 +1,7 @@
 //! When the camera passes its keys, and where it is between them: at the keys' own times, or at constant speed.
 
 use super::arc_length::ArcLength;
-use super::track::{CurveParameter, Track};
+use super::track::{Track, TrackTime};
 use glam::DVec3;
 
 /// The positions of a path and the times at which they are passed.
@@ -63,15 +63,15 @@ impl PositionTiming {
         &self.times
     }
 
-    /// The position at a parameter of the path.
-    pub(super) fn position(&self, parameter: CurveParameter) -> DVec3 {
-        if let CurveParameter::InSegment(i, fraction) = parameter
+    /// The position at a time.
+    pub(super) fn position(&self, time: TrackTime) -> DVec3 {
+        if let TrackTime::InSegment(i, fraction) = time
             && let Some(length) = &self.lengths[i]
         {
             let segment = &self.positions.segments()[i];
             return segment
                 .at_curve_parameter(length.parameter_at(segment, fraction * length.total()));
         }
-        self.positions.at(parameter)
+        self.positions.at(time)
     }
 }

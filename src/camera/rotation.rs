@@ -33,7 +33,7 @@ pub(super) fn log(rotation: DQuat) -> DVec3 {
 }
 
 /// The rotation of a camera that looks along `-backward`, a unit vector, with `up` made perpendicular to it.
-pub(super) fn upright(backward: DVec3, up: DVec3) -> DMat3 {
+pub(super) fn basis_from_backward_up(backward: DVec3, up: DVec3) -> DMat3 {
     let right = up.cross(backward).normalize();
     DMat3::from_cols(right, backward.cross(right), backward)
 }

@@ -1,8 +1,8 @@
 //! Interpolation of a value from key to key: centripetal Catmull-Rom curves (Yuksel, Schaefer and Keyser 2011) with
 //! monotone timing (Fritsch and Butland 1984), beside linear, cubic Hermite and held segments.
 
+use super::hermite::{Interpolable, hermite_basis};
 use super::keyframe::{Interpolation, Segment};
-use super::value::{Value, weights};
 
 /// A value that changes from key to key: each segment is a cubic curve and a cubic timing along it.
 ///
@@ -13,26 +13,26 @@ use super::value::{Value, weights};
 /// Where smooth segments meet, the derivative by time is continuous. Beside a segment whose tangents are given, a
 /// smooth one takes over the direction and the speed as far as it can without moving backward.
 #[derive(Clone, Debug)]
-pub(super) struct Track<T: Value> {
+pub(super) struct Track<T: Interpolable> {
     keys: Vec<T>,
     segments: Vec<CurveSegment<T>>,
 }
 
 /// The curve from a key to the next.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CurveSegment<T: Value> {
+pub(super) struct CurveSegment<T: Interpolable> {
     start: T,
-    step: T::Step,
+    step: T::Tangent,
     /// Derivatives by the curve parameter, from 0 to 1, at its ends.
-    derivatives: [T::Step; 2],
+    derivatives: [T::Tangent; 2],
     /// Derivatives of the curve parameter by the fraction of the segment's time at its ends.
     rates: [f64; 2],
 }
 
 /// What the curve of a segment is made from.
-struct SegmentInput<T: Value> {
-    segment: Segment<T::Step>,
-    step: T::Step,
+struct SegmentInput<T: Interpolable> {
+    segment: Segment<T::Tangent>,
+    step: T::Tangent,
     /// The centripetal knot interval: the square root of the length of the chord.
     knot: f64,
     seconds: f64,
@@ -47,20 +47,23 @@ pub(super) struct TrackInput<'a> {
 
 impl TrackInput<'_> {
     /// A track of any value but the position through the values of the keys.
-    pub(super) fn through<T: Value>(&self, keys: impl Iterator<Item = T>) -> Track<T> {
-        let segments: Vec<Segment<T::Step>> =
-            self.segments.iter().map(Segment::beside_position).collect();
+    pub(super) fn through<T: Interpolable>(&self, keys: impl Iterator<Item = T>) -> Track<T> {
+        let segments: Vec<Segment<T::Tangent>> = self
+            .segments
+            .iter()
+            .map(Segment::without_tangents)
+            .collect();
         Track::new(self.times, keys.collect(), &segments, self.closed)
     }
 }
 
-impl<T: Value> Track<T> {
+impl<T: Interpolable> Track<T> {
     /// `times` rise strictly; there are as many keys, at least one, and a segment between each two. A
     /// closed track continues at its first key after its last.
     pub(super) fn new(
         times: &[f64],
         keys: Vec<T>,
-        segments: &[Segment<T::Step>],
+        segments: &[Segment<T::Tangent>],
         closed: bool,
     ) -> Track<T> {
         let ends = times.windows(2).zip(keys.windows(2));
@@ -92,11 +95,11 @@ impl<T: Value> Track<T> {
         Track { keys, segments }
     }
 
-    /// The value at a parameter of the track.
-    pub(super) fn at(&self, parameter: CurveParameter) -> T {
-        match parameter {
-            CurveParameter::AtKey(key) => self.keys[key],
-            CurveParameter::InSegment(i, fraction) => self.segments[i].at(fraction),
+    /// The value at a time.
+    pub(super) fn at(&self, time: TrackTime) -> T {
+        match time {
+            TrackTime::AtKey(key) => self.keys[key],
+            TrackTime::InSegment(i, fraction) => self.segments[i].at(fraction),
         }
     }
 
@@ -106,9 +109,9 @@ impl<T: Value> Track<T> {
     }
 }
 
-impl<T: Value> SegmentInput<T> {
+impl<T: Interpolable> SegmentInput<T> {
     /// The derivative by the curve parameter at one of its ends; none if it depends on the neighbour.
-    fn derivative(&self, end: usize) -> Option<T::Step> {
+    fn derivative(&self, end: usize) -> Option<T::Tangent> {
         match self.segment.interpolation {
             Interpolation::Hold => Some(self.step * 0.0),
             Interpolation::Linear => Some(self.step),
@@ -118,22 +121,22 @@ impl<T: Value> SegmentInput<T> {
     }
 
     /// The tangent of a smooth curve at an end, as a derivative by its knots.
-    fn tangent(&self, end: usize, beside: Option<&SegmentInput<T>>) -> T::Step {
+    fn tangent(&self, end: usize, neighbour: Option<&SegmentInput<T>>) -> T::Tangent {
         let zero = self.step * 0.0;
         let along = if self.knot > 0.0 {
             self.step * (1.0 / self.knot)
         } else {
             zero
         };
-        let Some(beside) = beside.filter(|beside| !beside.is_still()) else {
+        let Some(neighbour) = neighbour.filter(|neighbour| !neighbour.is_still()) else {
             return along;
         };
-        match beside.derivative(1 - end) {
+        match neighbour.derivative(1 - end) {
             // The derivative of the parabola through the key and its neighbours, which is Catmull and Rom's
             // construction for uneven knots.
             None => {
-                let (a, b) = (self.knot, beside.knot);
-                (beside.step * (a / b) + self.step * (b / a)) * (1.0 / (a + b))
+                let (a, b) = (self.knot, neighbour.knot);
+                (neighbour.step * (a / b) + self.step * (b / a)) * (1.0 / (a + b))
             }
             Some(given) => {
                 let length = T::length(given);
@@ -146,32 +149,32 @@ impl<T: Value> SegmentInput<T> {
     }
 
     /// The derivative of a smooth curve's knots by time at an end, per second.
-    fn rate(&self, end: usize, tangent: T::Step, beside: Option<&SegmentInput<T>>) -> f64 {
+    fn rate(&self, end: usize, tangent: T::Tangent, neighbour: Option<&SegmentInput<T>>) -> f64 {
         let own = self.knot / self.seconds;
-        let Some(beside) =
-            beside.filter(|beside| !matches!(beside.segment.interpolation, Interpolation::Hold))
+        let Some(neighbour) = neighbour
+            .filter(|neighbour| !matches!(neighbour.segment.interpolation, Interpolation::Hold))
         else {
             return own;
         };
-        if beside.is_eased(1 - end) {
+        if neighbour.is_eased(1 - end) {
             return 0.0;
         }
-        match beside.derivative(1 - end) {
+        match neighbour.derivative(1 - end) {
             None => {
-                let other = beside.knot / beside.seconds;
+                let other = neighbour.knot / neighbour.seconds;
                 // A segment without length or time has no rate.
                 if !(own > 0.0 && other > 0.0) {
                     return 0.0;
                 }
                 // The harmonic mean, weighted so that the longer of both segments counts less.
                 let (own_weight, other_weight) = (
-                    self.seconds + 2.0 * beside.seconds,
-                    2.0 * self.seconds + beside.seconds,
+                    self.seconds + 2.0 * neighbour.seconds,
+                    2.0 * self.seconds + neighbour.seconds,
                 );
                 (own_weight + other_weight) / (own_weight / own + other_weight / other)
             }
             Some(given) => {
-                let rate = T::length(given) / (beside.seconds * T::length(tangent));
+                let rate = T::length(given) / (neighbour.seconds * T::length(tangent));
                 // A cubic is monotone if its end slopes are at most three times its mean slope.
                 if rate.is_nan() {
                     0.0
@@ -197,22 +200,22 @@ impl<T: Value> SegmentInput<T> {
     }
 }
 
-impl<T: Value> CurveSegment<T> {
+impl<T: Interpolable> CurveSegment<T> {
     fn new(
         start: T,
         before: Option<&SegmentInput<T>>,
         input: &SegmentInput<T>,
         after: Option<&SegmentInput<T>>,
     ) -> CurveSegment<T> {
-        let beside = [before, after];
+        let neighbours = [before, after];
         let end = |end: usize| {
             let eased = input.is_eased(end);
             let (derivative, rate) = match input.derivative(end) {
                 Some(derivative) => (derivative, 1.0),
                 None if input.knot == 0.0 => (input.step, 1.0),
                 None => {
-                    let tangent = input.tangent(end, beside[end]);
-                    let rate = input.rate(end, tangent, beside[end]);
+                    let tangent = input.tangent(end, neighbours[end]);
+                    let rate = input.rate(end, tangent, neighbours[end]);
                     (tangent * input.knot, rate * input.seconds / input.knot)
                 }
             };
@@ -234,7 +237,7 @@ impl<T: Value> CurveSegment<T> {
 
     /// The value at a fraction of the segment's time.
     fn at(&self, fraction: f64) -> T {
-        let [whole, start, end] = weights(fraction);
+        let [whole, start, end] = hermite_basis(fraction);
         self.at_curve_parameter(whole + self.rates[0] * start + self.rates[1] * end)
     }
 
@@ -254,26 +257,26 @@ impl<T: Value> CurveSegment<T> {
     }
 }
 
-/// Where a time lies among keys.
+/// A time among keys: a key's index and a fraction of the time to the next key.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum CurveParameter {
+pub(super) enum TrackTime {
     /// On a key, or beyond the end that the key is.
     AtKey(usize),
     /// After a key, at a fraction in (0, 1) of the time to the next.
     InSegment(usize, f64),
 }
 
-impl CurveParameter {
+impl TrackTime {
     /// `times` rise; there is at least one.
-    pub(super) fn of(times: &[f64], time: f64) -> CurveParameter {
+    pub(super) fn of(times: &[f64], time: f64) -> TrackTime {
         let after = times.partition_point(|&t| t <= time);
         if after == 0 {
-            return CurveParameter::AtKey(0);
+            return TrackTime::AtKey(0);
         }
         let i = after - 1;
         if after == times.len() || times[i] == time {
-            return CurveParameter::AtKey(i);
+            return TrackTime::AtKey(i);
         }
-        CurveParameter::InSegment(i, (time - times[i]) / (times[after] - times[i]))
+        TrackTime::InSegment(i, (time - times[i]) / (times[after] - times[i]))
     }
 }

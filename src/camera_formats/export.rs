@@ -35,8 +35,8 @@ impl CameraFormat {
     }
 }
 
-/// The bytes of a file with the cameras of all frames, which have `size` columns and rows. `keys`, the cameras at the keys
-/// with their times in seconds, are for nerfstudio, whose editor shows them.
+/// The bytes of a file with the cameras of all frames, which have `size` columns and rows. `keys`, the cameras at the
+/// keys with their times in seconds, are for nerfstudio, whose editor shows them.
 pub fn export_cameras(
     format: CameraFormat,
     frames: &FrameCameras,

@@ -1,4 +1,5 @@
-//! Camera paths in files: RON, glTF, nerfstudio and a table of cameras. The reader of a format stands beside its writer.
+//! Camera paths in files: RON, glTF, nerfstudio and a table of cameras. The reader of a format stands beside its
+//! writer.
 
 mod export;
 mod export_error;
@@ -16,4 +17,4 @@ pub use import::{CameraImport, import_cameras};
 pub use table::camera_table;
 
 /// The most frames of a path: more than a video of a day has.
-const MOST_FRAMES: u32 = 10_000_000;
+const MAX_FRAMES: u32 = 10_000_000;

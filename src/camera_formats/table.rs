@@ -17,8 +17,8 @@ struct Row {
 }
 
 /// The camera of every frame as JSON Lines, one line for each: number, time in seconds, position in world coordinates,
-/// quaternion (x, y, z, w; camera to world, the camera looks along -Z with +Y up) and vertical field of view in degrees.
-/// Numbers round-trip exactly.
+/// quaternion (x, y, z, w; camera to world, the camera looks along -Z with +Y up) and vertical field of view in
+/// degrees. Numbers round-trip exactly.
 pub fn camera_table(cameras: &FrameCameras) -> serde_json::Result<String> {
     let mut table = String::new();
     for (frame, camera) in cameras.cameras.iter().enumerate() {

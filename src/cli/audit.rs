@@ -16,8 +16,8 @@ use std::path::{PathBuf, absolute};
 
 /// Render some frames of a folder again, and compare them byte for byte
 ///
-/// They are rendered by the job that is recorded in the folder, with its irradiance cache as it is. So a machine of a farm
-/// that renders other pixels than this one is found.
+/// They are rendered by the job that is recorded in the folder, with its irradiance cache as it is. So a machine of a
+/// farm that renders other pixels than this one is found.
 ///
 /// Exit status: 0 all are the same; 2 not a folder of frames, or its inputs have changed; 3 some are not the same.
 #[derive(Debug, Args)]
@@ -73,7 +73,7 @@ pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<St
     if !arguments.quiet {
         say(format_args!(
             "{} of {} frames rendered again are the same: {}",
-            outcome.kept,
+            outcome.stored,
             sample.len(),
             out.display()
         ));
@@ -98,11 +98,11 @@ fn chosen(mut frames: Vec<u32>, arguments: &AuditArguments) -> Vec<u32> {
     frames
 }
 
-/// Compares frames with those of a folder in place of keeping them.
+/// Compares frames with those of a folder in place of storing them.
 struct Comparison<'a>(&'a FrameFolder);
 
 impl FrameSink for Comparison<'_> {
-    type Slot = ();
+    type Lock = ();
 
     fn claim(&self, _: u32, _: bool) -> Result<Claim<()>, SinkError> {
         Ok(Claim::Granted(()))
@@ -118,9 +118,9 @@ impl FrameSink for Comparison<'_> {
         sequence.encode(frame, rendered)
     }
 
-    fn keep(&self, frame: u32, (): (), encoded: &EncodedFrame) -> Result<(), SinkError> {
+    fn store(&self, frame: u32, (): (), encoded: &EncodedFrame) -> Result<(), SinkError> {
         let files = [
-            (self.0.file_of(frame), Some(&encoded.picture)),
+            (self.0.file_of(frame), Some(&encoded.image)),
             (self.0.map_of(frame), encoded.error_map.as_ref()),
         ];
         for (file, bytes) in files {

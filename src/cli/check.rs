@@ -13,10 +13,10 @@ use std::io::Write;
 
 /// Check a scene and a camera path, render nothing
 ///
-/// Loads both, prints a summary, and warns of likely mistakes of the path, with frame numbers: where the camera is inside a
-/// solid object, crosses a surface or is too close to one, where its speed spikes, where its velocity or angular velocity
-/// jumps, where the image moves so fast that it strobes, where look_at makes the picture spin, and whether a closed path
-/// has a seam.
+/// Loads both, prints a summary, and warns of likely mistakes of the path, with frame numbers: where the camera is
+/// inside a solid object, crosses a surface or is too close to one, where its speed spikes, where its velocity or
+/// angular velocity jumps, where the image moves so fast that it strobes, where look_at makes the picture spin, and
+/// whether a closed path has a seam.
 ///
 /// Exit status: 0 both can be rendered, whatever the warnings; 2 wrong input or usage.
 #[derive(Debug, Args)]

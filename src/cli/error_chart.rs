@@ -10,7 +10,7 @@ pub(super) fn error_chart(frames: &[FrameRecord]) -> io::Result<Option<String>> 
         let error = record.error?;
         Some(Point {
             x: f64::from(record.frame),
-            y: error.relative_square_error,
+            y: error.rel_mse,
             low: error.low,
             high: error.high,
         })

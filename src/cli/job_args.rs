@@ -58,8 +58,8 @@ pub(super) struct JobArguments {
     /// File format of the frames
     #[arg(long, value_enum, default_value = "png")]
     format: FormatArgument,
-    /// Also keep error_00000.exr beside each frame of the montecarlo modes: the estimated standard error of every pixel,
-    /// half the difference of its A and B half buffers, in linear light
+    /// Also keep error_00000.exr beside each frame of the montecarlo modes: the estimated standard error of every
+    /// pixel, half the difference of its A and B half buffers, in linear light
     #[arg(long, value_enum, value_name = "LAYER")]
     aov: Option<AovArgument>,
     #[command(flatten)]
@@ -101,7 +101,7 @@ pub(super) struct RecordedJobArguments {
 }
 
 impl RecordedJobArguments {
-    /// The job by which the frames of a folder were asked for, with its inputs as they are now.
+    /// The job of a folder's frames, with its inputs as they are now.
     pub(super) fn job_of(&self, folder: &FrameFolder) -> Result<Job, JobError> {
         let (scene, path) = (self.scene.clone(), self.path.clone());
         Job::of_folder(folder, scene, path, &self.options())
@@ -133,19 +133,20 @@ pub(super) struct SettingsArguments {
     /// Seed of the random numbers [default: 0]
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
-    /// The same random numbers in all frames: noise stands still where the camera does [default: new ones in each frame]
+    /// The same random numbers in all frames: noise stands still where the camera does [default: new ones in each
+    /// frame]
     #[arg(long)]
     lock_seed: bool,
     /// Exposure in stops: +1 doubles the light of PNG frames; EXR is not exposed [default: 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
-    /// Adaptive sampling in the montecarlo modes: stop when the upper 95 % bound of the frame's estimated relMSE is below X.
-    /// Noise is just visible at 0.01, and hardly at 0.001 [default: the samples given]
+    /// Adaptive sampling in the montecarlo modes: stop when the upper 95 % bound of the frame's estimated relMSE is
+    /// below X. Noise is just visible at 0.01, and hardly at 0.001 [default: the samples given]
     #[arg(long, value_name = "X")]
     target_error: Option<f64>,
-    /// Indirect diffuse light in the montecarlo modes: path-traced for each camera sample, or cached: an irradiance cache
-    /// baked once for the sequence, many times as fast, its error a few thousandths on average
-    /// [default: cached for sequences, unless splits are set; path-traced for stills]
+    /// Indirect diffuse light in the montecarlo modes: path-traced for each camera sample, or cached: an irradiance
+    /// cache baked once for the sequence, many times as fast, its error a few thousandths on average [default: cached
+    /// for sequences, unless splits are set; path-traced for stills]
     #[arg(long, value_name = "HOW")]
     gi: Option<GlobalIllumination>,
 }

@@ -12,8 +12,8 @@ use std::path::PathBuf;
 
 /// List the frames of a sequence that are not verified, to be rendered again
 ///
-/// Prints nothing if all are. Frames are verified against what the last render has recorded in the folder; after a change
-/// render --prepare sequence records it anew.
+/// Prints nothing if all are. Frames are verified against what the last render has recorded in the folder; after a
+/// change render --prepare sequence records it anew.
 ///
 /// Exit status: 0 success, 2 not a folder of frames.
 #[derive(Debug, Args)]

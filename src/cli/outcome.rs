@@ -50,7 +50,7 @@ pub(super) fn say(line: fmt::Arguments) {
 
 /// The mean and the worst of the errors of frames; none where there are none.
 pub(super) fn error_summary(errors: &[(u32, ErrorEstimate)]) -> Option<String> {
-    let error = |(_, error): &(u32, ErrorEstimate)| error.relative_square_error;
+    let error = |(_, error): &(u32, ErrorEstimate)| error.rel_mse;
     let worst = errors.iter().max_by(|a, b| error(a).total_cmp(&error(b)))?;
     let mean = errors.iter().map(error).sum::<f64>() / errors.len() as f64;
     let [low, high] = worst.1.interval();

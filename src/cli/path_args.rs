@@ -21,8 +21,8 @@ pub(super) enum PathCommand {
 
 /// Plot a camera path through a scene
 ///
-/// A plan and an elevation, to scale, as sections of the scene at the camera: the path, its keys, view frustums, and dots
-/// at equal times. Charts of speed, turn rate and zoom over time.
+/// A plan and an elevation, to scale, as sections of the scene at the camera: the path, its keys, view frustums, and
+/// dots at equal times. Charts of speed, turn rate and zoom over time.
 ///
 /// Exit status: 0 success, 2 wrong input or usage.
 #[derive(Debug, Args)]
@@ -41,9 +41,9 @@ pub(super) struct PlotArguments {
 
 /// Import an animated camera of another program as a camera path file
 ///
-/// Reads camera_path.json of nerfstudio and glTF files (.gltf, .glb), as Blender exports them: animations of the camera,
-/// of its parent nodes and of its field of view (KHR_animation_pointer). The path has a key for each frame, so that its
-/// frames are those of the other program. Coordinates are not converted: +Y is up in glTF, +Z in nerfstudio.
+/// Reads camera_path.json of nerfstudio and glTF files (.gltf, .glb), as Blender exports them: animations of the
+/// camera, of its parent nodes and of its field of view (KHR_animation_pointer). The path has a key for each frame, so
+/// that its frames are those of the other program. Coordinates are not converted: +Y is up in glTF, +Z in nerfstudio.
 ///
 /// Exit status: 0 success, 2 wrong input or usage.
 #[derive(Debug, Args)]

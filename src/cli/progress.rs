@@ -42,7 +42,7 @@ pub(super) struct SequenceProgress {
     steps_are_frames: bool,
     /// Frames that this process renders.
     frames: AtomicU64,
-    frames_kept: AtomicU64,
+    frames_stored: AtomicU64,
     rays: AtomicU64,
     start: Instant,
     /// Time of the last line, in milliseconds from the start.
@@ -72,7 +72,7 @@ impl SequenceProgress {
             steps_per_frame,
             steps_are_frames,
             frames: AtomicU64::new(frames),
-            frames_kept: AtomicU64::new(0),
+            frames_stored: AtomicU64::new(0),
             rays: AtomicU64::new(0),
             start: Instant::now(),
             last_line: AtomicU64::new(0),
@@ -109,7 +109,7 @@ impl SequenceProgress {
         let elapsed = self.start.elapsed();
         format!(
             "frame {}/{}  {}  ETA {}",
-            self.frames_kept.load(Ordering::Relaxed),
+            self.frames_stored.load(Ordering::Relaxed),
             self.frames.load(Ordering::Relaxed),
             rays_per_second(self.rays.load(Ordering::Relaxed), elapsed),
             remaining(elapsed, self.done()).map_or("?".to_owned(), clock),
@@ -151,8 +151,8 @@ impl RenderObserver for SequenceProgress {
         self.interrupt.is_asked()
     }
 
-    fn frame_kept(&self, _: u32) {
-        self.frames_kept.fetch_add(1, Ordering::Relaxed);
+    fn frame_stored(&self, _: u32) {
+        self.frames_stored.fetch_add(1, Ordering::Relaxed);
         if self.steps_are_frames {
             self.bar.inc(1);
         }

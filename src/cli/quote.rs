@@ -13,9 +13,9 @@ use std::time::Duration;
 
 /// Estimate time, disk and memory of a sequence before rendering it
 ///
-/// Renders a few frames of the path, small ones where whole ones would take long, and prints the expected totals on this
-/// machine with their 95 % confidence intervals. The irradiance cache of --gi cached is baked for it; with --out or
-/// --gi-cache it is kept, and costs nothing more.
+/// Renders a few frames of the path, small ones where whole ones would take long, and prints the expected totals on
+/// this machine with their 95 % confidence intervals. The irradiance cache of --gi cached is baked for it; with
+/// --out or --gi-cache it is kept, and costs nothing more.
 ///
 /// With --out the estimate is kept, too, and render prints how far off it was.
 ///

@@ -14,7 +14,7 @@ use super::verify::verify;
 use crate::camera::FrameCameras;
 use crate::camera_formats::camera_table;
 use crate::frames::{FrameFolder, Manifest, VerifyError};
-use crate::job::{Job, SavedEstimate, Spec, keep_within};
+use crate::job::{Job, SavedEstimate, Spec, choose_samples_for_budget};
 use crate::render::{ErrorEstimate, Outcome};
 use crate::sampling::van_der_corput_order;
 use clap::Args;
@@ -26,12 +26,12 @@ use std::time::{Duration, Instant};
 ///
 /// Settings may also stand in the scene or the path file; the path's win over the scene's, and a flag wins over both.
 ///
-/// Existing frames are verified: each carries a hash of its pixels and of all its inputs. Frames that are whole, unchanged
-/// and made from the same inputs are kept, all others are rendered again. So the same command continues an interrupted run,
-/// and several processes, on one machine or many, may share a folder.
+/// Existing frames are verified: each carries a hash of its pixels and of all its inputs. Frames that are whole,
+/// unchanged and made from the same inputs are kept, all others are rendered again. So the same command continues an
+/// interrupted run, and several processes, on one machine or many, may share a folder.
 ///
-/// Exit status: 0 success, all frames are there; 2 wrong input or usage (trying again cannot help); 3 some frames failed (it
-/// may); 75 interrupted by SIGTERM or Ctrl-C (the same command continues).
+/// Exit status: 0 success, all frames are there; 2 wrong input or usage (trying again cannot help); 3 some frames
+/// failed (it may); 75 interrupted by SIGTERM or Ctrl-C (the same command continues).
 #[derive(Debug, Args)]
 pub(super) struct RenderArguments {
     #[command(flatten)]
@@ -42,8 +42,8 @@ pub(super) struct RenderArguments {
     /// Frames to render, as in 0-99:2,120 [default: all]
     #[arg(short, long, value_name = "RANGES")]
     frames: Option<FrameRanges>,
-    /// Choose the camera samples of each pixel so that all frames of the path take this time, as in 2h or 90min, on this
-    /// machine; the choice is kept in the folder
+    /// Choose the camera samples of each pixel so that all frames of the path take this time, as in 2h or 90min, on
+    /// this machine; the choice is kept in the folder
     #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with_all = ["samples", "target_error", "aov"])]
     budget: Option<Duration>,
     /// Preview the camera move: frames of 320 columns, ray traced, one sample in the middle of each pixel, whatever the
@@ -99,7 +99,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     };
     if let Some(budget) = arguments.budget {
         let progress = FractionProgress::new(arguments.quiet);
-        let choice = keep_within(&mut job, budget, &out, &|done, what| {
+        let choice = choose_samples_for_budget(&mut job, budget, &out, &|done, what| {
             progress.at(done, what)
         });
         progress.finish();
@@ -211,7 +211,7 @@ fn missing(folder: &FrameFolder, frames: &[u32], quiet: bool) -> Vec<u32> {
 /// Writes the manifest and the table of cameras, as far as they are not there; `changed` if frames were rendered.
 fn list(folder: &FrameFolder, job: &Job, changed: bool) -> bool {
     let list = || {
-        if changed || !Manifest::is_right(folder) {
+        if changed || !Manifest::is_current(folder) {
             folder.sync();
             Manifest::update(folder, error_chart)?;
         }
@@ -240,10 +240,10 @@ fn show(folder: &FrameFolder, frames: &[u32], quiet: bool) -> bool {
 fn summarise(outcome: &Outcome, elapsed: Duration, there: u32, folder: &FrameFolder) {
     say(format_args!(
         "{} frames rendered in {} ({}), {} were there, {} failed{}: {}",
-        outcome.kept,
+        outcome.stored,
         clock(elapsed),
         rays_per_second(outcome.rays, elapsed),
-        there + outcome.kept_by_others,
+        there + outcome.stored_by_others,
         outcome.failures.len(),
         if outcome.stopped { ", interrupted" } else { "" },
         folder.path().display()

@@ -13,17 +13,17 @@ use std::path::PathBuf;
 
 /// Measure the speed and the error of every technique on a scene and a path
 ///
-/// Renders a few small frames of the path by each technique, with several seeds, and compares them with references, which
-/// are made once and kept in the folder. Writes report.md, report.csv, report.json, the curves of error against time, the
-/// flicker along the path, a picture of each technique's errors, and advice: the cheapest settings for a relMSE of 0.01,
-/// where noise is just visible, and of 0.001, where it hardly is.
+/// Renders a few small frames of the path by each technique, with several seeds, and compares them with references,
+/// which are made once and kept in the folder. Writes report.md, report.csv, report.json, the curves of error against
+/// time, the flicker along the path, a picture of each technique's errors, and advice: the cheapest settings for a
+/// relMSE of 0.01, where noise is just visible, and of 0.001, where it hardly is.
 ///
-/// The irradiance cache (--gi cached) is baked once, as for the whole sequence at its own size, and each frame is charged
-/// its part: those seconds are right if all frames are rendered.
+/// The irradiance cache (--gi cached) is baked once, as for the whole sequence at its own size, and each frame is
+/// charged its part: those seconds are right if all frames are rendered.
 ///
-/// Exposure, bounces and the size that the advice is for are the scene's and the path's. The error is relMSE: the mean of
-/// (x - r)^2 / (m^2 + 0.01), where x is a pixel, r is the reference's, and m the local mean of the reference; 1 is display
-/// white. Run it on a machine that does nothing else.
+/// Exposure, bounces and the size that the advice is for are the scene's and the path's. The error is relMSE: the mean
+/// of (x - r)^2 / (m^2 + 0.01), where x is a pixel, r is the reference's, and m the local mean of the reference; 1 is
+/// display white. Run it on a machine that does nothing else.
 ///
 /// Exit status: 0 success, 2 wrong input or usage.
 #[derive(Debug, Args)]
@@ -55,7 +55,7 @@ pub(super) struct ReportArguments {
 /// Columns of the frames that are measured, unless given.
 const COLUMNS: u32 = 128;
 
-/// Frames that are measured, unless given: from the middles of so many parts of the path.
+/// Frames that are measured, unless given: from the middles of this many parts of the path.
 const FRAMES: u32 = 3;
 
 pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 
 /// Draw a contact sheet of a folder of frames
 ///
-/// Shows at most 30 frames, spread evenly, the first and the last among them, each with its number and its time. A frame
-/// that is not verified is replaced by what is wrong with it.
+/// Shows at most 30 frames, spread evenly, the first and the last among them, each with its number and its time. A
+/// frame that is not verified is replaced by what is wrong with it.
 ///
 /// Exit status: 0 success; 2 not a folder of frames, or the sheet cannot be written.
 #[derive(Debug, Args)]

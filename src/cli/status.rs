@@ -10,7 +10,7 @@ use std::path::PathBuf;
 
 /// Show the state of a folder of frames
 ///
-/// Looks at what the frames say of themselves, which is quick; verify checks their pixels, too.
+/// Reads only the metadata of the frames, which is quick; verify checks their pixels, too.
 ///
 /// Exit status: 0 success, whatever is missing; 2 not a folder of frames.
 #[derive(Debug, Args)]
@@ -38,11 +38,11 @@ struct State<'a> {
     irradiance_cache: bool,
     /// The build of the program that renders them.
     build: &'a str,
-    /// How many frames say of themselves that they are of this sequence; their pixels are not verified.
+    /// How many frames are of this sequence by their metadata; their pixels are not verified.
     current: usize,
     /// All others, as in 0,3-5.
     missing: String,
-    /// The largest relMSE that frames say of themselves; none where they have no noise.
+    /// The largest relMSE in the metadata of frames; none where they have no noise.
     worst_error: Option<f64>,
 }
 
@@ -68,9 +68,7 @@ pub(super) fn run(arguments: &StatusArguments) -> Result<Status, Failure> {
         build: &sequence.build,
         current: current.len(),
         missing: ranges(&missing),
-        worst_error: errors
-            .map(|error| error.relative_square_error)
-            .reduce(f64::max),
+        worst_error: errors.map(|error| error.rel_mse).reduce(f64::max),
     };
     let json = serde_json::to_value(&state)?;
     let mut out = std::io::stdout().lock();

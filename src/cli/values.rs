@@ -25,14 +25,14 @@ pub(super) enum AovArgument {
 pub(super) enum OrderArgument {
     /// As they are listed
     Sequential,
-    /// Every 2^n-th frame of the path first, then those between: an interrupted run can be watched, and its ETA soon knows
-    /// the whole path
+    /// Every 2^n-th frame of the path first, then those between: an interrupted run can be watched, and its ETA soon
+    /// knows the whole path
     CoarseToFine,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum PrepareArgument {
-    /// Write sequence.ron, which says what the frames are to be
+    /// Write sequence.ron, the record of the expected frames
     Sequence,
     /// The same, and bake the irradiance cache of --gi cached if it is needed
     Cache,

@@ -28,7 +28,7 @@ impl DrawingError {
     }
 }
 
-/// The text of an SVG file of so many columns and rows.
+/// The text of an SVG file of `size` columns and rows.
 pub(super) fn svg_of(
     size: (u32, u32),
     draw: impl FnOnce(&Area) -> Drawn,

@@ -9,8 +9,8 @@ use std::ops::Range;
 
 /// A line chart.
 ///
-/// The axes span the values that can be drawn. Values that are not finite and, on a logarithmic axis, values that are not
-/// positive are left out.
+/// The axes span the values that can be drawn. Values that are not finite and, on a logarithmic axis, values that are
+/// not positive are left out.
 #[derive(Clone, Debug)]
 pub struct Chart {
     /// The heading.
@@ -70,7 +70,7 @@ pub(super) const COLORS: [RGBColor; 7] = [
 ];
 
 /// The most points of a series that are drawn as marks with error bars; beyond, the intervals are drawn as a band.
-const MOST_MARKS: usize = 40;
+const MAX_MARKS: usize = 40;
 
 /// The font of all text.
 pub(super) const FONT: &str = "sans-serif";
@@ -152,7 +152,7 @@ impl Chart {
             let points = series.points.iter().filter_map(|point| self.fitting(point));
             let points: Vec<Point> = points.collect();
             let line = points.iter().map(|point| (point.x, point.y));
-            if points.len() > MOST_MARKS {
+            if points.len() > MAX_MARKS {
                 let band = points.iter().map(|point| (point.x, point.high));
                 let back = points.iter().rev().map(|point| (point.x, point.low));
                 let band: Vec<(f64, f64)> = band.chain(back).collect();

@@ -26,7 +26,7 @@ pub struct ContactSheet<'a> {
 const COLUMNS: u32 = 240;
 
 /// The greatest height of a frame: a taller one is narrower than its tile.
-const MOST_ROWS: u32 = 480;
+const MAX_ROWS: u32 = 480;
 
 /// Space between tiles, and around them.
 const MARGIN: u32 = 10;
@@ -134,7 +134,7 @@ impl Grid {
     fn new(count: u32, (width, height): (u32, u32)) -> Grid {
         let columns = f64::from(count).sqrt().ceil().max(2.0) as u32;
         let [width, height] = [width, height].map(f64::from);
-        let scale = (f64::from(COLUMNS) / width).min(f64::from(MOST_ROWS) / height);
+        let scale = (f64::from(COLUMNS) / width).min(f64::from(MAX_ROWS) / height);
         let scaled = |length: f64| (scale * length).round().max(1.0) as u32;
         Grid {
             columns,

@@ -112,7 +112,8 @@ impl Estimate {
 }
 
 /// Relative half width of the 95 % confidence interval of the mean of `count` values, of which these are evenly spread.
-/// Their variance is taken from differences of neighbours (von Neumann 1941): how they change along the path is no noise.
+/// Their variance is taken from differences of neighbours (von Neumann 1941): how they change along the path is no
+/// noise.
 fn error_of_mean(values: &[f64], count: u32) -> f64 {
     let known = values.len() as f64;
     let Some(degrees) = (values.len() as u32)

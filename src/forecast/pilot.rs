@@ -25,9 +25,9 @@ const COHERENCE: f64 = 0.06;
 const GRAIN: f64 = 0.1;
 
 /// The shortest side of a frame, in pixels.
-const LEAST_SIDE: u32 = 64;
+const MIN_SIDE: u32 = 64;
 
-/// What frames are rendered by and along, and how they would be kept.
+/// What frames are rendered by and along, and how they would be stored.
 #[derive(Clone, Debug)]
 pub struct Workload<'a> {
     /// The renderer.
@@ -36,7 +36,7 @@ pub struct Workload<'a> {
     pub path: &'a CameraPath,
     /// Threads.
     pub pool: &'a rayon::ThreadPool,
-    /// What the frames are to be.
+    /// The expected frames.
     pub sequence: &'a SequenceRecord,
 }
 
@@ -120,7 +120,7 @@ fn smaller(settings: &RenderSettings, halvings: u32) -> [u32; 2] {
 
 fn most_halvings(settings: &RenderSettings) -> u32 {
     let side = settings.width.min(settings.height);
-    (side / LEAST_SIDE).checked_ilog2().unwrap_or(0)
+    (side / MIN_SIDE).checked_ilog2().unwrap_or(0)
 }
 
 /// How many times as many pixels the full size has.
@@ -151,14 +151,14 @@ impl Workload<'_> {
     }
 }
 
-/// Weighs frames in place of keeping them: number, rays and bytes.
+/// Weighs frames in place of storing them: number, rays and bytes.
 struct Scale<'a> {
     sequence: &'a SequenceRecord,
     weighed: Mutex<Vec<(u32, u64, usize)>>,
 }
 
 impl FrameSink for Scale<'_> {
-    type Slot = ();
+    type Lock = ();
 
     fn claim(&self, _: u32, _: bool) -> Result<Claim<()>, SinkError> {
         Ok(Claim::Granted(()))
@@ -172,7 +172,7 @@ impl FrameSink for Scale<'_> {
         Ok(encoded)
     }
 
-    fn keep(&self, _: u32, (): (), _: &EncodedFrame) -> Result<(), SinkError> {
+    fn store(&self, _: u32, (): (), _: &EncodedFrame) -> Result<(), SinkError> {
         Ok(())
     }
 }

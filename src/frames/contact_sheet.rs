@@ -1,8 +1,8 @@
 //! The contact sheet of a folder of frames.
 
+use super::encoded_pixels::EncodedPixels;
 use super::folder::FrameFolder;
 use super::format::FrameFormat;
-use super::picture::Picture;
 use super::png_file;
 use crate::drawing::contact_sheet::ContactSheet;
 use crate::film::Film;
@@ -12,16 +12,16 @@ use std::io;
 use std::path::{Component, Path};
 
 /// The most frames that are shown.
-const MOST_FRAMES: usize = 30;
+const MAX_FRAMES: usize = 30;
 
-/// Writes a contact sheet of some frames of a folder as a PNG file, whole or not at all. The frames are spread evenly over
-/// those that are `listed`: the first, the last, and at most 30 in all. A frame that fails verification is replaced by
-/// the reason.
+/// Writes a contact sheet of some frames of a folder as a PNG file, whole or not at all. The frames are spread evenly
+/// over those that are `listed`: the first, the last, and at most 30 in all. A frame that fails verification is
+/// replaced by the reason.
 ///
 /// Reads the frames on all threads of the current pool.
 pub fn write_contact_sheet(folder: &FrameFolder, listed: &[u32], file: &Path) -> io::Result<()> {
     let sequence = folder.sequence();
-    let count = listed.len().min(MOST_FRAMES);
+    let count = listed.len().min(MAX_FRAMES);
     let frames: Vec<u32> = spread(listed.len(), count).map(|at| listed[at]).collect();
     let seconds = |frame: u32| format!("{:.2} s", f64::from(frame) / sequence.fps);
     let sheet = ContactSheet {
@@ -43,12 +43,12 @@ pub fn write_contact_sheet(folder: &FrameFolder, listed: &[u32], file: &Path) ->
     let drawn = sheet
         .draw(|number| film(folder, frames[number]))
         .map_err(io::Error::other)?;
-    let picture = Picture {
+    let pixels = EncodedPixels {
         width: drawn.width(),
         height: drawn.height(),
         samples: drawn.into_raw(),
     };
-    let bytes = png_file::encode(&picture, png::BitDepth::Eight, "contact sheet")?;
+    let bytes = png_file::encode(&pixels, png::BitDepth::Eight, "contact sheet")?;
     write_atomic(file, &bytes)
 }
 
@@ -71,13 +71,13 @@ fn title(folder: &FrameFolder) -> String {
 
 /// A frame as a display shows it, or in short why it fails verification.
 fn film(folder: &FrameFolder, frame: u32) -> Result<Film, String> {
-    let (_, picture) = folder.verified(frame).map_err(|error| {
+    let (_, pixels) = folder.verified(frame).map_err(|error| {
         let message = error.to_string();
         let (short, _) = message.split_once(':').unwrap_or((&message, ""));
         short.to_owned()
     })?;
     let sequence = folder.sequence();
-    let mut film = sequence.format.film(&picture);
+    let mut film = sequence.format.film(&pixels);
     if sequence.format == FrameFormat::Exr {
         film.expose(sequence.exposure);
     }

@@ -1,6 +1,6 @@
-//! OpenEXR files: linear light in 32-bit floats, with a text beside it.
+//! OpenEXR files: linear light in 32-bit floats, with metadata in an attribute.
 
-use super::picture::{Contents, NOTE, Picture};
+use super::encoded_pixels::{Contents, EncodedPixels, METADATA_KEY};
 use crate::film::Film;
 use exr::meta::MetaData;
 use exr::prelude::*;
@@ -8,34 +8,36 @@ use glam::Vec3;
 use std::io::{self, Cursor};
 use std::path::Path;
 
-/// The bytes of a file that holds a film and says `note`.
-pub fn encode(film: &Film, note: &str) -> io::Result<Vec<u8>> {
+/// The bytes of a file that holds a film, with `metadata` in its `flythrough` attribute.
+pub fn encode(film: &Film, metadata: &str) -> io::Result<Vec<u8>> {
     let (width, height) = (film.width() as usize, film.height() as usize);
     let pixel = |at: Vec2<usize>| {
         let [r, g, b] = film.pixels()[at.y() * width + at.x()].to_array();
         (r, g, b)
     };
     let mut image = Image::from_channels((width, height), SpecificChannels::rgb(pixel));
-    let note = Text::new_or_none(note).ok_or_else(|| io::Error::other("a note that is no text"))?;
+    let metadata =
+        Text::new_or_none(metadata).ok_or_else(|| io::Error::other("metadata that is no text"))?;
     let attributes = &mut image.layer_data.attributes.other;
-    attributes.insert(Text::from(NOTE), AttributeValue::Text(note));
+    attributes.insert(Text::from(METADATA_KEY), AttributeValue::Text(metadata));
     let mut bytes = Cursor::new(Vec::new());
     let written = image.write().non_parallel().to_buffered(&mut bytes);
     written.map_err(io::Error::other)?;
     Ok(bytes.into_inner())
 }
 
-/// What a file says; none if it says nothing.
-pub fn note(file: &Path) -> io::Result<Option<String>> {
+/// The `flythrough` attribute of a file; none if it has none.
+pub fn read_metadata(file: &Path) -> io::Result<Option<String>> {
     let meta = MetaData::read_from_file(file, false).map_err(io::Error::other)?;
-    Ok(note_in(&meta))
+    Ok(metadata_in(&meta))
 }
 
-fn note_in(meta: &MetaData) -> Option<String> {
+fn metadata_in(meta: &MetaData) -> Option<String> {
     let header = meta.headers.first();
-    let value = header.and_then(|header| header.own_attributes.other.get(&Text::from(NOTE)));
+    let value =
+        header.and_then(|header| header.own_attributes.other.get(&Text::from(METADATA_KEY)));
     match value {
-        Some(AttributeValue::Text(note)) => Some(note.to_string()),
+        Some(AttributeValue::Text(text)) => Some(text.to_string()),
         _ => None,
     }
 }
@@ -46,32 +48,32 @@ pub(super) fn samples(film: &Film) -> Vec<u8> {
     channels.flat_map(f32::to_le_bytes).collect()
 }
 
-/// The film that a picture of such samples is of.
-pub(super) fn film(picture: &Picture) -> Film {
-    let channels = picture.samples.as_chunks().0.iter();
+/// The film of such samples.
+pub(super) fn film(encoded: &EncodedPixels) -> Film {
+    let channels = encoded.samples.as_chunks().0.iter();
     let channels: Vec<f32> = channels.map(|bytes| f32::from_le_bytes(*bytes)).collect();
     let pixels = channels.chunks_exact(3).map(Vec3::from_slice).collect();
-    Film::from_pixels(picture.width, picture.height, pixels)
+    Film::from_pixels(encoded.width, encoded.height, pixels)
 }
 
-/// What a file's bytes hold; the picture only if it has that size.
+/// What a file's bytes hold; the pixels only if the image has that size.
 pub(super) fn contents(bytes: &[u8], size: (u32, u32)) -> std::result::Result<Contents, String> {
     let wrong = |error: Error| error.to_string();
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(wrong)?;
-    let note = note_in(&meta);
-    let header = meta.headers.first().ok_or("a file without a picture")?;
+    let metadata = metadata_in(&meta);
+    let header = meta.headers.first().ok_or("a file without an image")?;
     let found = header.layer_size;
     let found = (found.width() as u32, found.height() as u32);
     let film = match found == size {
         true => Some(decode(bytes).map_err(|error| error.to_string())?),
         false => None,
     };
-    let picture = film.map(|film| Picture {
+    let pixels = film.map(|film| EncodedPixels {
         width: film.width(),
         height: film.height(),
         samples: samples(&film),
     });
-    Ok(Contents { note, picture })
+    Ok(Contents { metadata, pixels })
 }
 
 /// The film that a file's bytes hold.

@@ -1,10 +1,10 @@
 //! A folder of numbered frames, shared safely by processes: each frame is claimed by a lock, written beside its name
 //! and renamed, so that a file under a frame's name is a whole frame or was changed from outside.
 
+use super::encoded_pixels::EncodedPixels;
 use super::format::FrameFormat;
-use super::picture::Picture;
 use super::record::FrameRecord;
-use super::sequence::SequenceRecord;
+use super::sequence_record::SequenceRecord;
 use super::verify::{Expected, VerifyError};
 use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
 use crate::storage::{PartFile, check_writable, remove_leftovers, write_atomic};
@@ -17,7 +17,7 @@ use std::sync::OnceLock;
 use std::time::SystemTime;
 use thiserror::Error;
 
-/// The file beside the frames that says what they are to be.
+/// The file beside the frames that records the expected ones: format, size, input hashes.
 const SEQUENCE_FILE: &str = "sequence.ron";
 
 /// The contact sheet beside the frames.
@@ -58,7 +58,7 @@ pub enum FolderError {
         /// What the system says.
         source: io::Error,
     },
-    /// It does not say what its frames are to be.
+    /// Its `sequence.ron` is missing or cannot be read.
     #[error(
         "{file}: {message}: not a folder of frames, or the file is lost or damaged; render the sequence (again): \
          verified frames are kept",
@@ -86,10 +86,10 @@ pub struct FrameFolder {
 /// Tells a file from one that is put in its place: inode and time of the last change.
 type FileIdentity = (u64, SystemTime);
 
-/// The right to write the files of a frame.
+/// The lock on a frame, with the right to write its files.
 #[derive(Debug)]
-pub struct Slot {
-    picture: PartFile,
+pub struct FrameLock {
+    image: PartFile,
     error_map: Option<PartFile>,
 }
 
@@ -104,7 +104,7 @@ impl FrameFolder {
         }
     }
 
-    /// A folder that exists, of the frames that its `sequence.ron` says.
+    /// A folder that exists, of the frames that its `sequence.ron` records.
     pub fn open(folder: &Path) -> Result<FrameFolder, FolderError> {
         let file = folder.join(SEQUENCE_FILE);
         let text = fs::read_to_string(&file).map_err(|error| error.to_string());
@@ -139,8 +139,8 @@ impl FrameFolder {
         Some((file.ino(), file.modified().ok()?))
     }
 
-    /// Whether another process has declared, since this one prepared it, that the folder is of other frames.
-    fn was_given_another_sequence(&self) -> bool {
+    /// Whether `sequence.ron` was replaced since `prepare`, by one of other frames.
+    fn sequence_was_replaced(&self) -> bool {
         let prepared = self.prepared_file.get();
         prepared.is_some_and(|file| *file != self.sequence_file()) && self.has_another_sequence()
     }
@@ -178,7 +178,7 @@ impl FrameFolder {
         &self.folder
     }
 
-    /// What its frames are to be.
+    /// The expected frames: format, size, input hashes.
     pub fn sequence(&self) -> &SequenceRecord {
         &self.sequence
     }
@@ -219,8 +219,8 @@ impl FrameFolder {
         Ok(record)
     }
 
-    /// The record and the picture of a frame, verified; its error map is not looked at.
-    pub(super) fn verified(&self, frame: u32) -> Result<(FrameRecord, Picture), VerifyError> {
+    /// The record and the pixels of a frame, verified; its error map is not looked at.
+    pub(super) fn verified(&self, frame: u32) -> Result<(FrameRecord, EncodedPixels), VerifyError> {
         self.verify_file(&self.file_of(frame), frame, self.sequence.format)
     }
 
@@ -229,7 +229,7 @@ impl FrameFolder {
         file: &Path,
         frame: u32,
         format: FrameFormat,
-    ) -> Result<(FrameRecord, Picture), VerifyError> {
+    ) -> Result<(FrameRecord, EncodedPixels), VerifyError> {
         let bytes = fs::read(file).map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => VerifyError::Missing,
             _ => VerifyError::Unreadable(error),
@@ -242,12 +242,12 @@ impl FrameFolder {
         expected.verify(&bytes)
     }
 
-    /// What the file of a frame says of it, not verified; none if there is no such file, it has no record, or that of
-    /// another frame.
+    /// The record in the metadata of a frame's file, not verified; none if there is no such file, or it has no record
+    /// or that of another frame.
     pub fn record(&self, frame: u32) -> Option<FrameRecord> {
         let file = self.file_of(frame);
-        let note = self.sequence.format.note(&file).ok().flatten()?;
-        FrameRecord::from_text(&note).filter(|record| record.frame == frame)
+        let metadata = self.sequence.format.read_metadata(&file).ok().flatten()?;
+        FrameRecord::from_text(&metadata).filter(|record| record.frame == frame)
     }
 
     /// As [`FrameFolder::record`]; none if the record has other inputs or another build. Only the record is read:
@@ -288,8 +288,8 @@ impl FrameFolder {
         let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
     }
 
-    /// The most bytes that the file of a picture may take.
-    fn bound(&self, format: FrameFormat) -> u64 {
+    /// The most bytes that a file of this format may take.
+    fn max_file_bytes(&self, format: FrameFormat) -> u64 {
         let pixels = u64::from(self.sequence.width) * u64::from(self.sequence.height);
         let samples = 3 * format.bytes_per_channel() as u64 * pixels;
         samples + samples / 8 + (1 << 12)
@@ -297,10 +297,10 @@ impl FrameFolder {
 }
 
 impl FrameSink for FrameFolder {
-    type Slot = Slot;
+    type Lock = FrameLock;
 
-    fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Slot>, SinkError> {
-        if self.was_given_another_sequence() {
+    fn claim(&self, frame: u32, ignore_lock: bool) -> Result<Claim<FrameLock>, SinkError> {
+        if self.sequence_was_replaced() {
             let folder = self.folder.display();
             return Err(format!(
                 "{folder}: another process renders another sequence here; use two folders"
@@ -309,44 +309,46 @@ impl FrameSink for FrameFolder {
         }
         let named = |file: &Path, error| format!("{}: cannot be written: {error}", file.display());
         // A frame that does not fit on the disk need not be rendered.
-        let with_room = |part: PartFile, format| part.reserve(self.bound(format)).map(|()| part);
+        let with_room =
+            |part: PartFile, format| part.reserve(self.max_file_bytes(format)).map(|()| part);
         let file = self.file_of(frame);
-        let part = match insists {
-            true => PartFile::own(&file).map(Some),
+        let part = match ignore_lock {
+            true => PartFile::create_unique(&file).map(Some),
             false => PartFile::claim(&file),
         };
         let Some(part) = part.map_err(|error| named(&file, error))? else {
             return Ok(Claim::Busy);
         };
-        let picture = with_room(part, self.sequence.format).map_err(|error| named(&file, error))?;
+        let image = with_room(part, self.sequence.format).map_err(|error| named(&file, error))?;
         if !self.force && self.verify(frame).is_ok() {
-            return Ok(Claim::Kept);
+            return Ok(Claim::AlreadyStored);
         }
         let mut error_map = None;
         if self.sequence.error_maps {
             let file = self.map_of(frame);
             // The lock of the frame covers its map.
-            let part = PartFile::own(&file).and_then(|part| with_room(part, FrameFormat::Exr));
+            let part =
+                PartFile::create_unique(&file).and_then(|part| with_room(part, FrameFormat::Exr));
             error_map = Some(part.map_err(|error| named(&file, error))?);
         }
-        Ok(Claim::Granted(Slot { picture, error_map }))
+        Ok(Claim::Granted(FrameLock { image, error_map }))
     }
 
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
         self.sequence.encode(frame, rendered)
     }
 
-    fn keep(&self, frame: u32, slot: Slot, encoded: &EncodedFrame) -> Result<(), SinkError> {
-        let keep = |file: PathBuf, part: PartFile, bytes: &[u8]| {
+    fn store(&self, frame: u32, lock: FrameLock, encoded: &EncodedFrame) -> Result<(), SinkError> {
+        let store = |file: PathBuf, part: PartFile, bytes: &[u8]| {
             let written = part.finish(bytes);
             written.map_err(|error| format!("{}: cannot be written: {error}", file.display()))
         };
         // The frame comes last: where it is, its map is.
-        match (&encoded.error_map, slot.error_map) {
-            (Some(map), Some(part)) => keep(self.map_of(frame), part, map)?,
+        match (&encoded.error_map, lock.error_map) {
+            (Some(map), Some(part)) => store(self.map_of(frame), part, map)?,
             _ => remove(&self.map_of(frame))?,
         }
-        Ok(keep(self.file_of(frame), slot.picture, &encoded.picture)?)
+        Ok(store(self.file_of(frame), lock.image, &encoded.image)?)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The file formats of frames: 8 and 16 bit PNG, OpenEXR.
 
-use super::picture::{Contents, Picture};
+use super::encoded_pixels::{Contents, EncodedPixels};
 use super::{exr, png_file};
 use crate::film::Film;
 #[cfg(any(test, feature = "plots"))]
@@ -54,24 +54,24 @@ impl FrameFormat {
         }
     }
 
-    /// A film as it is stored.
-    pub(super) fn picture(self, film: &Film) -> Picture {
+    /// The pixels of a film as a file stores them.
+    pub(super) fn encode_pixels(self, film: &Film) -> EncodedPixels {
         let samples = match self {
             FrameFormat::Png => film.to_srgb8(),
             FrameFormat::Png16 => film.to_srgb16_be(),
             FrameFormat::Exr => exr::samples(film),
         };
-        Picture {
+        EncodedPixels {
             width: film.width(),
             height: film.height(),
             samples,
         }
     }
 
-    /// The film that such a picture is of, as far as it tells.
+    /// The film of such pixels, as far as their precision tells.
     #[cfg(any(test, feature = "plots"))]
-    pub(super) fn film(self, picture: &Picture) -> Film {
-        let samples = &picture.samples;
+    pub(super) fn film(self, encoded: &EncodedPixels) -> Film {
+        let samples = &encoded.samples;
         let channels: Vec<f32> = match self {
             FrameFormat::Png => {
                 let linear = linear_codes(u8::MAX.into());
@@ -83,23 +83,23 @@ impl FrameFormat {
                 let codes = codes.map(|bytes| u16::from_be_bytes(*bytes));
                 codes.map(|code| linear[code as usize]).collect()
             }
-            FrameFormat::Exr => return exr::film(picture),
+            FrameFormat::Exr => return exr::film(encoded),
         };
         let pixels = channels.chunks_exact(3).map(Vec3::from_slice).collect();
-        Film::from_pixels(picture.width, picture.height, pixels)
+        Film::from_pixels(encoded.width, encoded.height, pixels)
     }
 
-    /// The bytes of a file that holds `picture` and says `note`, a text of printable ASCII; the same for the
-    /// same picture and note.
-    pub(super) fn encode(self, picture: &Picture, note: &str) -> io::Result<Vec<u8>> {
+    /// The bytes of a file that holds `pixels` and `metadata`, a text of printable ASCII; the same for the same pixels
+    /// and metadata.
+    pub(super) fn encode(self, pixels: &EncodedPixels, metadata: &str) -> io::Result<Vec<u8>> {
         match self {
-            FrameFormat::Png => png_file::encode(picture, png::BitDepth::Eight, note),
-            FrameFormat::Png16 => png_file::encode(picture, png::BitDepth::Sixteen, note),
-            FrameFormat::Exr => exr::encode(&exr::film(picture), note),
+            FrameFormat::Png => png_file::encode(pixels, png::BitDepth::Eight, metadata),
+            FrameFormat::Png16 => png_file::encode(pixels, png::BitDepth::Sixteen, metadata),
+            FrameFormat::Exr => exr::encode(&exr::film(pixels), metadata),
         }
     }
 
-    /// What a file's bytes hold, or why they are no file of this format that has its picture whole.
+    /// What a file's bytes hold, or why they are no file of this format whose image is whole.
     pub(super) fn decode(self, bytes: &[u8], size: (u32, u32)) -> Result<Contents, String> {
         match self {
             FrameFormat::Png => png_file::decode(bytes, png::BitDepth::Eight, size),
@@ -108,11 +108,11 @@ impl FrameFormat {
         }
     }
 
-    /// What a file of this format says; none if it says nothing.
-    pub(super) fn note(self, file: &Path) -> io::Result<Option<String>> {
+    /// The metadata of a file of this format; none if it has none.
+    pub(super) fn read_metadata(self, file: &Path) -> io::Result<Option<String>> {
         match self {
-            FrameFormat::Png | FrameFormat::Png16 => png_file::note(file),
-            FrameFormat::Exr => exr::note(file),
+            FrameFormat::Png | FrameFormat::Png16 => png_file::read_metadata(file),
+            FrameFormat::Exr => exr::read_metadata(file),
         }
     }
 }
@@ -127,8 +127,8 @@ fn linear_codes(most: u16) -> Vec<f32> {
 /// Writes a film as a PNG file of 8 bits for each channel, sRGB, whole or not at all. Radiance of 1 is white; what is
 /// brighter is clipped: see [`Film::expose`].
 pub fn write_png(film: &Film, file: &Path) -> io::Result<()> {
-    let picture = FrameFormat::Png.picture(film);
-    write_atomic(file, &FrameFormat::Png.encode(&picture, "")?)
+    let pixels = FrameFormat::Png.encode_pixels(film);
+    write_atomic(file, &FrameFormat::Png.encode(&pixels, "")?)
 }
 
 #[cfg(test)]
@@ -136,7 +136,7 @@ mod tests {
     use super::*;
     use std::io::Cursor;
 
-    const SAID: &str = "Frame(frame:7,error:None)";
+    const METADATA: &str = "Frame(frame:7,error:None)";
     const FORMATS: [FrameFormat; 3] = [FrameFormat::Png, FrameFormat::Png16, FrameFormat::Exr];
 
     fn film() -> Film {
@@ -149,7 +149,7 @@ mod tests {
 
     fn file(format: FrameFormat) -> Vec<u8> {
         format
-            .encode(&format.picture(&film()), SAID)
+            .encode(&format.encode_pixels(&film()), METADATA)
             .expect("encodes")
     }
 
@@ -182,26 +182,29 @@ mod tests {
     }
 
     #[test]
-    fn files_say_their_notes_and_give_back_what_was_stored() {
+    fn files_give_back_their_metadata_and_their_pixels() {
         let folder = tempfile::tempdir().expect("a folder");
         for format in FORMATS {
             let stored = folder.path().join("frame");
             std::fs::write(&stored, file(format)).expect("written");
-            assert_eq!(format.note(&stored).expect("whole").as_deref(), Some(SAID));
+            assert_eq!(
+                format.read_metadata(&stored).expect("whole").as_deref(),
+                Some(METADATA)
+            );
             let contents = format.decode(&file(format), (3, 2)).expect("whole");
-            assert_eq!(contents.note.as_deref(), Some(SAID));
-            let picture = format.picture(&film());
-            assert_eq!(picture.samples.len(), 18 * format.bytes_per_channel());
-            assert!(contents.picture == Some(picture));
+            assert_eq!(contents.metadata.as_deref(), Some(METADATA));
+            let pixels = format.encode_pixels(&film());
+            assert_eq!(pixels.samples.len(), 18 * format.bytes_per_channel());
+            assert!(contents.pixels == Some(pixels));
             let other = format.decode(&file(format), (2, 3)).expect("whole");
-            assert!(other.picture.is_none() && other.note.is_some());
+            assert!(other.pixels.is_none() && other.metadata.is_some());
         }
     }
 
     #[test]
-    fn pictures_are_of_films() {
+    fn encoded_pixels_give_back_the_film() {
         for (format, steps) in FORMATS.into_iter().zip([255.0, 65535.0, f32::INFINITY]) {
-            let told = format.film(&format.picture(&film()));
+            let told = format.film(&format.encode_pixels(&film()));
             assert_eq!((told.width(), told.height()), (3, 2));
             let shown = |pixel: &Vec3| match format {
                 FrameFormat::Exr => *pixel,
@@ -212,7 +215,7 @@ mod tests {
                 let error = (told - shown(pixel)).abs().max_element();
                 assert!(error <= 0.5 * 2.3 / steps, "{format:?}: {told} of {pixel}");
             }
-            assert!(format.picture(&told) == format.picture(&film()));
+            assert!(format.encode_pixels(&told) == format.encode_pixels(&film()));
         }
     }
 

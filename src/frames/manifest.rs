@@ -1,4 +1,4 @@
-//! `manifest.ron`: what the frames of a folder say of themselves, with a table and a picture of their errors.
+//! `manifest.ron`: the records of all frames of a folder, with a table and a chart of their errors.
 
 use super::folder::{FrameFolder, remove};
 use super::record::FrameRecord;
@@ -10,18 +10,18 @@ use std::time::Duration;
 
 const FILE: &str = "manifest.ron";
 
-/// How long to wait for a turn.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// How long to wait for another process that writes the manifest.
+const LOCK_TIMEOUT: Duration = Duration::from_secs(60);
 
-/// What the frames of a folder say of themselves, by number.
+/// The records of the frames of a folder, by number.
 #[derive(Debug, Serialize)]
 pub struct Manifest {
     frames: Vec<FrameRecord>,
 }
 
 impl Manifest {
-    /// Reads the record of each frame that is there. The manifest is made of the frames alone: it is right whichever
-    /// processes rendered them, and can be lost.
+    /// Reads the record of each frame that is there. The manifest is made of the frames alone: it does not
+    /// depend on which processes rendered them, and can be lost.
     fn of(folder: &FrameFolder) -> Manifest {
         let frames = (0..folder.sequence().frames).filter_map(|frame| folder.record(frame));
         Manifest {
@@ -30,22 +30,22 @@ impl Manifest {
     }
 
     /// Whether the manifest is there and agrees with the frames.
-    pub fn is_right(folder: &FrameFolder) -> bool {
+    pub fn is_current(folder: &FrameFolder) -> bool {
         let there = fs::read_to_string(folder.path().join(FILE)).ok();
         there.is_some() && there == Manifest::of(folder).to_text().ok()
     }
 
-    /// Writes `manifest.ron` and, if any frame has an error, `errors.csv` and `errors.svg`: the text that `picture`
+    /// Writes `manifest.ron` and, if any frame has an error, `errors.csv` and `errors.svg`: the text that `chart`
     /// makes of the records, in the order of their frames. Otherwise, or without a text, there are no such files.
     ///
     /// Processes that do so at the same time take turns, each after its own frames: the last one has seen all of them.
     pub fn update(
         folder: &FrameFolder,
-        picture: impl FnOnce(&[FrameRecord]) -> io::Result<Option<String>>,
+        chart: impl FnOnce(&[FrameRecord]) -> io::Result<Option<String>>,
     ) -> io::Result<()> {
         let file = folder.path().join(FILE);
-        let _turn = PartFile::claim_in_turn(&file, PATIENCE)?;
-        Manifest::of(folder).write(folder, picture)
+        let _lock = PartFile::lock_with_timeout(&file, LOCK_TIMEOUT)?;
+        Manifest::of(folder).write(folder, chart)
     }
 
     fn to_text(&self) -> Result<String, ron::Error> {
@@ -58,14 +58,14 @@ impl Manifest {
     fn write(
         &self,
         folder: &FrameFolder,
-        picture: impl FnOnce(&[FrameRecord]) -> io::Result<Option<String>>,
+        chart: impl FnOnce(&[FrameRecord]) -> io::Result<Option<String>>,
     ) -> io::Result<()> {
         let text = self.to_text().map_err(io::Error::other)?;
         write_atomic(&folder.path().join(FILE), text.as_bytes())?;
         let has_errors = self.frames.iter().any(|record| record.error.is_some());
         let table = has_errors.then(|| self.table());
         let drawn = if has_errors {
-            picture(&self.frames)?
+            chart(&self.frames)?
         } else {
             None
         };
@@ -84,7 +84,7 @@ impl Manifest {
         let mut table = "frame,relMSE,low,high\n".to_owned();
         for record in &self.frames {
             if let Some(error) = record.error {
-                let (y, low, high) = (error.relative_square_error, error.low, error.high);
+                let (y, low, high) = (error.rel_mse, error.low, error.high);
                 table += &format!("{},{y:e},{low:e},{high:e}\n", record.frame);
             }
         }

@@ -1,31 +1,35 @@
-//! PNG files: sRGB codes, with a text beside them.
+//! PNG files: sRGB codes, with metadata in a text chunk.
 
-use super::picture::{Contents, NOTE, Picture};
+use super::encoded_pixels::{Contents, EncodedPixels, METADATA_KEY};
 use png::{BitDepth, ColorType, DecodeOptions, Decoder, Info, Limits};
 use std::fs::File;
 use std::io::{self, BufReader, Cursor};
 use std::path::Path;
 
-/// The bytes of a file that holds a picture and says `note`, unless that is empty.
-pub(super) fn encode(picture: &Picture, depth: BitDepth, note: &str) -> io::Result<Vec<u8>> {
+/// The bytes of a file that holds an image, with `metadata`, unless that is empty, in its `flythrough` text chunk.
+pub(super) fn encode(
+    pixels: &EncodedPixels,
+    depth: BitDepth,
+    metadata: &str,
+) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, picture.width, picture.height);
+    let mut encoder = png::Encoder::new(&mut bytes, pixels.width, pixels.height);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(depth);
     // Without a tag, programs guess the colour space, and guess differently.
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    if !note.is_empty() {
-        encoder.add_text_chunk(NOTE.to_owned(), note.to_owned())?;
+    if !metadata.is_empty() {
+        encoder.add_text_chunk(METADATA_KEY.to_owned(), metadata.to_owned())?;
     }
     // Stronger settings cost many times the encoding time for a few per cent of size.
     encoder.set_compression(png::Compression::Fast);
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&picture.samples)?;
+    writer.write_image_data(&pixels.samples)?;
     writer.finish()?;
     Ok(bytes)
 }
 
-/// What a file's bytes hold; the picture only if it has that size.
+/// What a file's bytes hold; the pixels only if the image has that size.
 pub(super) fn decode(bytes: &[u8], depth: BitDepth, size: (u32, u32)) -> Result<Contents, String> {
     let wrong = |error: png::DecodingError| error.to_string();
     let mut options = DecodeOptions::default();
@@ -35,39 +39,39 @@ pub(super) fn decode(bytes: &[u8], depth: BitDepth, size: (u32, u32)) -> Result<
     decoder.set_limits(Limits { bytes: usize::MAX });
     let mut reader = decoder.read_info().map_err(wrong)?;
     let found = reader.info().size();
-    let note = note_in(reader.info());
+    let metadata = metadata_in(reader.info());
     let is_rgb = reader.output_color_type() == (ColorType::Rgb, depth);
     if found != size || !is_rgb {
         return Ok(Contents {
-            note,
-            picture: None,
+            metadata,
+            pixels: None,
         });
     }
     let length = reader
         .output_buffer_size()
-        .ok_or("a picture beyond all memory")?;
+        .ok_or("an image beyond all memory")?;
     let mut samples = vec![0; length];
     reader.next_frame(&mut samples).map_err(wrong)?;
     reader.finish().map_err(wrong)?;
-    let picture = Picture {
+    let pixels = EncodedPixels {
         width: size.0,
         height: size.1,
         samples,
     };
     Ok(Contents {
-        note,
-        picture: Some(picture),
+        metadata,
+        pixels: Some(pixels),
     })
 }
 
-/// What a file says; none if it says nothing.
-pub(super) fn note(file: &Path) -> io::Result<Option<String>> {
+/// The `flythrough` text chunk of a file; none if it has none.
+pub(super) fn read_metadata(file: &Path) -> io::Result<Option<String>> {
     let reader = Decoder::new(BufReader::new(File::open(file)?)).read_info()?;
-    Ok(note_in(reader.info()))
+    Ok(metadata_in(reader.info()))
 }
 
-fn note_in(info: &Info) -> Option<String> {
+fn metadata_in(info: &Info) -> Option<String> {
     let texts = &info.uncompressed_latin1_text;
-    let note = texts.iter().find(|text| text.keyword == NOTE);
-    note.map(|note| note.text.clone())
+    let found = texts.iter().find(|text| text.keyword == METADATA_KEY);
+    found.map(|text| text.text.clone())
 }

@@ -1,9 +1,9 @@
-//! What the file of a frame says of the frame.
+//! The record of a frame, which is the metadata of its file.
 
 use crate::render::ErrorEstimate;
 use serde::{Deserialize, Serialize};
 
-/// What a frame is made from, a hash of its pixels and its error, as the frame's own file says it.
+/// What a frame is made from, a hash of its pixels, and its error; the metadata of the frame's file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Frame")]
 pub struct FrameRecord {
@@ -14,7 +14,7 @@ pub struct FrameRecord {
     /// A hash of all inputs that decide its pixels: the scene's files, its camera, settings and format.
     pub input_hash: String,
     /// A hash of the file's pixels.
-    pub pixels: String,
+    pub pixel_hash: String,
     /// Its estimated error; none where the frame has no Monte Carlo noise.
     pub error: Option<FrameError>,
 }
@@ -24,7 +24,7 @@ pub struct FrameRecord {
 #[serde(rename = "Error")]
 pub struct FrameError {
     /// relMSE.
-    pub relative_square_error: f64,
+    pub rel_mse: f64,
     /// Lower end of the 95 % confidence interval.
     pub low: f64,
     /// Upper end of the 95 % confidence interval.
@@ -32,14 +32,14 @@ pub struct FrameError {
 }
 
 impl FrameRecord {
-    /// The text that the file carries: the record and a hash of it.
+    /// The metadata: the record and a hash of it.
     pub(super) fn to_text(&self) -> Result<String, ron::Error> {
         let text = ron::ser::to_string(self)?;
         let hash = blake3::hash(text.as_bytes());
         Ok(format!("{text} {hash}"))
     }
 
-    /// What a text says; none if it is no record, or was changed.
+    /// The record of metadata; none if it is no record, or was changed.
     pub(super) fn from_text(text: &str) -> Option<FrameRecord> {
         let (text, hash) = text.rsplit_once(' ')?;
         let is_whole = blake3::hash(text.as_bytes()).to_string() == hash;
@@ -51,7 +51,7 @@ impl From<ErrorEstimate> for FrameError {
     fn from(error: ErrorEstimate) -> FrameError {
         let [low, high] = error.interval().map(five_digits);
         FrameError {
-            relative_square_error: five_digits(error.relative_square_error),
+            rel_mse: five_digits(error.rel_mse),
             low,
             high,
         }
@@ -67,9 +67,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn texts_say_what_the_record_says() {
+    fn metadata_gives_back_the_record() {
         let estimate = ErrorEstimate {
-            relative_square_error: 0.001_234_567,
+            rel_mse: 0.001_234_567,
             standard_error: 1e-5,
         };
         for error in [None, Some(estimate)] {
@@ -77,14 +77,14 @@ mod tests {
                 frame: 7,
                 build: "0123".to_owned(),
                 input_hash: "ab".to_owned(),
-                pixels: "cd".to_owned(),
+                pixel_hash: "cd".to_owned(),
                 error: error.map(FrameError::from),
             };
             let text = record.to_text().expect("plain numbers");
             assert_eq!(FrameRecord::from_text(&text), Some(record), "{text}");
         }
         let error = FrameError::from(estimate);
-        assert_eq!(error.relative_square_error, 0.001_234_6);
+        assert_eq!(error.rel_mse, 0.001_234_6);
         assert_eq!([error.low, error.high], [0.001_215, 0.001_254_2]);
         for other in ["Software", "", "Frame(frame:7) ab"] {
             assert_eq!(FrameRecord::from_text(other), None);

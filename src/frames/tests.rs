@@ -1,7 +1,7 @@
 //! Folders of frames.
 
+use super::encoded_pixels::Contents;
 use super::format::FrameFormat;
-use super::picture::Contents;
 use super::verify::VerifyError;
 use super::{FolderError, FrameFolder, SequenceRecord};
 use crate::film::Film;
@@ -35,9 +35,9 @@ fn sequence(input_hash: &str) -> SequenceRecord {
 fn rendered(light: f32) -> RenderedFrame {
     RenderedFrame {
         film: Film::from_pixels(4, 2, vec![Vec3::splat(light); 8]),
-        deviation: Some(Film::from_pixels(4, 2, vec![Vec3::splat(-0.1); 8])),
+        half_difference: Some(Film::from_pixels(4, 2, vec![Vec3::splat(-0.1); 8])),
         error: Some(ErrorEstimate {
-            relative_square_error: 0.001,
+            rel_mse: 0.001,
             standard_error: 0.0001,
         }),
         rays: 0,
@@ -45,43 +45,46 @@ fn rendered(light: f32) -> RenderedFrame {
     }
 }
 
-fn keep(folder: &FrameFolder, frame: u32) -> Result<(), SinkError> {
-    let Claim::Granted(slot) = folder.claim(frame, false)? else {
+fn store(folder: &FrameFolder, frame: u32) -> Result<(), SinkError> {
+    let Claim::Granted(lock) = folder.claim(frame, false)? else {
         panic!("nobody else is there");
     };
     let encoded = folder.encode(frame, rendered(0.5)).expect("encodes");
-    folder.keep(frame, slot, &encoded)
+    folder.store(frame, lock, &encoded)
 }
 
 #[test]
-fn what_is_kept_is_verified_and_nothing_else_is_left() {
+fn what_is_stored_is_verified_and_nothing_else_is_left() {
     let root = tempfile::tempdir().expect("a folder");
     let path = root.path().join("deep/er");
     let folder = FrameFolder::new(&path, sequence("a"), false);
     folder.prepare().expect("new");
     assert!(matches!(folder.verify(2), Err(VerifyError::Missing)));
-    keep(&folder, 2).expect("kept");
+    store(&folder, 2).expect("stored");
     let record = folder.verify(2).expect("whole");
     assert_eq!((record.frame, record.input_hash.as_str()), (2, "a"));
     assert_eq!(names(&path), ["frame_00002.png", "sequence.ron"]);
-    assert!(matches!(folder.claim(2, false), Ok(Claim::Kept)));
+    assert!(matches!(folder.claim(2, false), Ok(Claim::AlreadyStored)));
     let opened = FrameFolder::open(&path).expect("there");
     assert_eq!(opened.verify(2).expect("whole"), record);
 }
 
 #[test]
-fn what_somebody_is_at_work_on_is_busy_for_others() {
+fn a_locked_frame_is_busy_for_others() {
     let root = tempfile::tempdir().expect("a folder");
     let folder = |force| FrameFolder::new(root.path(), sequence("a"), force);
-    let slot = folder(false).claim(1, false).expect("free");
+    let lock = folder(false).claim(1, false).expect("free");
     assert!(matches!(folder(false).claim(1, false), Ok(Claim::Busy)));
     assert!(matches!(
         folder(false).claim(1, true),
         Ok(Claim::Granted(_))
     ));
-    drop(slot);
-    keep(&folder(false), 1).expect("free again");
-    assert!(matches!(folder(false).claim(1, true), Ok(Claim::Kept)));
+    drop(lock);
+    store(&folder(false), 1).expect("free again");
+    assert!(matches!(
+        folder(false).claim(1, true),
+        Ok(Claim::AlreadyStored)
+    ));
     assert!(matches!(
         folder(true).claim(1, false),
         Ok(Claim::Granted(_))
@@ -92,7 +95,7 @@ fn what_somebody_is_at_work_on_is_busy_for_others() {
 fn every_fault_is_told_from_the_others() {
     let root = tempfile::tempdir().expect("a folder");
     let folder = FrameFolder::new(root.path(), sequence("a"), false);
-    keep(&folder, 0).expect("kept");
+    store(&folder, 0).expect("stored");
     let file = folder.file_of(0);
     let whole = fs::read(&file).expect("there");
     let fault = |bytes: &[u8]| {
@@ -104,17 +107,17 @@ fn every_fault_is_told_from_the_others() {
     assert!(fault(b"text").starts_with("cut short or damaged"));
     assert!(fault(&[&whole[..], b"more"].concat()).starts_with("altered"));
     let format = FrameFormat::Png;
-    let Ok(Contents { note, picture }) = format.decode(&whole, (4, 2)) else {
+    let Ok(Contents { metadata, pixels }) = format.decode(&whole, (4, 2)) else {
         panic!("whole");
     };
-    let (note, mut picture) = (note.expect("said"), picture.expect("whole"));
+    let (metadata, mut pixels) = (metadata.expect("there"), pixels.expect("whole"));
     assert!(
-        fault(&format.encode(&picture, "other").expect("encodes"))
-            .starts_with("holds no whole record")
+        fault(&format.encode(&pixels, "other").expect("encodes"))
+            .starts_with("no valid flythrough metadata")
     );
-    picture.samples[5] += 1;
-    assert!(fault(&format.encode(&picture, &note).expect("encodes")).starts_with("altered"));
-    keep(&folder, 1).expect("kept");
+    pixels.samples[5] += 1;
+    assert!(fault(&format.encode(&pixels, &metadata).expect("encodes")).starts_with("altered"));
+    store(&folder, 1).expect("stored");
     let other = fs::read(folder.file_of(1)).expect("there");
     assert_eq!(fault(&other), "is frame 1 under another name");
     fs::write(&file, &whole).expect("written");
@@ -147,7 +150,7 @@ fn no_flipped_bit_goes_unseen() {
             ..sequence("a")
         };
         let folder = FrameFolder::new(root.path(), of_format, false);
-        keep(&folder, 0).expect("kept");
+        store(&folder, 0).expect("stored");
         let file = folder.file_of(0);
         let whole = fs::read(&file).expect("there");
         for bit in 0..8 * whole.len() {
@@ -167,13 +170,13 @@ fn an_error_map_belongs_to_its_frame() {
         ..sequence("a")
     };
     let folder = FrameFolder::new(root.path(), with_maps, false);
-    keep(&folder, 0).expect("kept");
+    store(&folder, 0).expect("stored");
     folder.verify(0).expect("whole");
     fs::write(folder.map_of(0), "half").expect("written");
     assert!(matches!(folder.verify(0), Err(VerifyError::ErrorMap(_))));
-    keep(&folder, 0).expect("made again");
+    store(&folder, 0).expect("made again");
     folder.verify(0).expect("whole");
-    keep(&FrameFolder::new(root.path(), sequence("a"), true), 0).expect("kept");
+    store(&FrameFolder::new(root.path(), sequence("a"), true), 0).expect("stored");
     assert_eq!(names(root.path()), ["frame_00000.png"]);
 }
 
@@ -205,7 +208,7 @@ fn frames_of_other_builds_are_accepted_knowingly() {
         build: "older".to_owned(),
         ..sequence("a")
     };
-    keep(&FrameFolder::new(root.path(), older, false), 0).expect("kept");
+    store(&FrameFolder::new(root.path(), older, false), 0).expect("stored");
     let folder = FrameFolder::new(root.path(), sequence("a"), false);
     let error = folder.verify(0).expect_err("another build").to_string();
     assert!(error.contains("--accept-build older"), "{error}");
@@ -229,7 +232,7 @@ fn frames_of_other_builds_are_accepted_knowingly() {
 fn strays_look_like_frames() {
     let root = tempfile::tempdir().expect("a folder");
     let folder = FrameFolder::new(root.path(), sequence("a"), false);
-    keep(&folder, 0).expect("kept");
+    store(&folder, 0).expect("stored");
     for name in [
         "frame_00003.png",
         "frame_1.png",
@@ -250,10 +253,10 @@ fn a_frame_that_cannot_be_written_names_its_file() {
     let root = tempfile::tempdir().expect("a folder");
     let folder = FrameFolder::new(root.path(), sequence("a"), false);
     fs::create_dir(folder.file_of(1)).expect("made");
-    let error = keep(&folder, 1).expect_err("in the way").to_string();
+    let error = store(&folder, 1).expect_err("in the way").to_string();
     assert!(error.contains("frame_00001.png"), "{error}");
     assert_eq!(names(root.path()), ["frame_00001.png"]);
     fs::remove_dir_all(root.path()).expect("removed");
-    let error = keep(&folder, 2).expect_err("nowhere").to_string();
+    let error = store(&folder, 2).expect_err("nowhere").to_string();
     assert!(error.contains("frame_00002.png"), "{error}");
 }

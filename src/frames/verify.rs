@@ -1,9 +1,9 @@
 //! Whether a file is a frame of the sequence, to the last byte what the program wrote for it.
 
+use super::encoded_pixels::{Contents, EncodedPixels};
 use super::format::FrameFormat;
-use super::picture::{Contents, Picture};
 use super::record::FrameRecord;
-use super::sequence::SequenceRecord;
+use super::sequence_record::SequenceRecord;
 use std::io;
 use thiserror::Error;
 
@@ -22,8 +22,8 @@ pub enum VerifyError {
     /// It cannot be decoded.
     #[error("cut short or damaged: {0}")]
     Damaged(String),
-    /// It says nothing of what it is of.
-    #[error("holds no whole record of flythrough")]
+    /// Its metadata is not a valid record.
+    #[error("no valid flythrough metadata")]
     Foreign,
     /// It is another frame.
     #[error("is frame {0} under another name")]
@@ -37,8 +37,8 @@ pub enum VerifyError {
     /// It was rendered by another build of the program, whose pixels may differ.
     #[error("rendered by build {0}: render it again, or accept it by --accept-build {0}")]
     OtherBuild(String),
-    /// The same of the map of its error.
-    #[error("its error map is not right: {0}")]
+    /// Its error map is not verified.
+    #[error("error map: {0}")]
     ErrorMap(Box<VerifyError>),
 }
 
@@ -53,29 +53,29 @@ pub(super) struct Expected<'a> {
 impl Expected<'_> {
     /// Verifies that the bytes of a file are what this program wrote for the frame, to the last of them: its pixels
     /// have the hash that it states, and encoded anew they are the same bytes.
-    pub(super) fn verify(&self, bytes: &[u8]) -> Result<(FrameRecord, Picture), VerifyError> {
+    pub(super) fn verify(&self, bytes: &[u8]) -> Result<(FrameRecord, EncodedPixels), VerifyError> {
         if bytes.is_empty() {
             return Err(VerifyError::Empty);
         }
         let sequence = self.sequence;
         let size = (sequence.width, sequence.height);
         let decoded = self.format.decode(bytes, size);
-        let Contents { note, picture } = decoded.map_err(VerifyError::Damaged)?;
-        let note = note.ok_or(VerifyError::Foreign)?;
-        let record = FrameRecord::from_text(&note).ok_or(VerifyError::Foreign)?;
+        let Contents { metadata, pixels } = decoded.map_err(VerifyError::Damaged)?;
+        let metadata = metadata.ok_or(VerifyError::Foreign)?;
+        let record = FrameRecord::from_text(&metadata).ok_or(VerifyError::Foreign)?;
         if record.frame != self.frame {
             return Err(VerifyError::OtherFrame(record.frame));
         }
         let is_stale = record.input_hash != sequence.input_hashes[self.frame as usize];
-        let Some(picture) = picture else {
+        let Some(pixels) = pixels else {
             return Err(if is_stale {
                 VerifyError::Stale
             } else {
                 VerifyError::Altered
             });
         };
-        let again = self.format.encode(&picture, &note);
-        if record.pixels != picture.hash().to_string() || again.ok().as_deref() != Some(bytes) {
+        let again = self.format.encode(&pixels, &metadata);
+        if record.pixel_hash != pixels.hash().to_string() || again.ok().as_deref() != Some(bytes) {
             return Err(VerifyError::Altered);
         }
         if is_stale {
@@ -83,7 +83,7 @@ impl Expected<'_> {
         } else if !sequence.accepts(&record.build) {
             Err(VerifyError::OtherBuild(record.build))
         } else {
-            Ok((record, picture))
+            Ok((record, pixels))
         }
     }
 }

@@ -3,15 +3,15 @@
 use super::triangle;
 use glam::{DVec3, Vec2, Vec3};
 
-/// The vertices of a mesh in world space, shared by its triangles.
+/// The vertices of a mesh, shared by its triangles.
 ///
 /// `normals` and `uvs` are empty or as long as `positions`. Vertices with the same position have
 /// bit-identical coordinates, so that no ray passes between neighbours.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// World-space positions of the vertices.
+    /// Positions of the vertices, in metres.
     pub positions: Vec<Vec3>,
-    /// World-space unit shading normals of the vertices; a zero vector asks for the triangle's own.
+    /// Unit shading normals of the vertices; a zero vector asks for the triangle's own.
     pub normals: Vec<Vec3>,
     /// Texture coordinates of the vertices.
     pub uvs: Vec<Vec2>,

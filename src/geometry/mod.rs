@@ -1,5 +1,5 @@
-//! Shapes in world space: triangles of meshes and spheres, with their intersections, distances, normals and
-//! texture coordinates.
+//! Shapes: triangles of meshes and spheres, with their intersections, distances, normals and texture coordinates.
+//! Those of a scene are in scene space (see `scene`), in metres.
 //!
 //! Knows nothing of materials, files or acceleration structures.
 

@@ -48,7 +48,7 @@ pub fn triangulate(vertices: &[DVec3]) -> Option<Vec<[usize; 3]>> {
     is_wound(last).then_some(triangles)
 }
 
-/// The triangles of a fan around the first of so many vertices.
+/// The triangles of a fan around the first of `vertices` vertices.
 pub fn fan(vertices: usize) -> Vec<[usize; 3]> {
     (2..vertices).map(|i| [0, i - 1, i]).collect()
 }

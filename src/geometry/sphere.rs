@@ -3,14 +3,14 @@
 use crate::math::{Aabb, Ray};
 use glam::{DMat3, DVec3, Vec2, Vec3};
 
-/// A sphere in world space, kept in double precision: a small sphere far away and a point on a
+/// A sphere, kept in double precision: a small sphere far away and a point on a
 /// huge one both need it (Haines et al. 2019, "Precision Improvements for Ray/Sphere
 /// Intersection", Ray Tracing Gems, chapter 7).
 #[derive(Clone, Copy, Debug)]
 pub struct Sphere {
-    /// The centre.
+    /// The centre, in metres.
     pub center: DVec3,
-    /// The radius; above 0.
+    /// The radius in metres; above 0.
     pub radius: f64,
     /// Object to world: it rotates the texture.
     pub rotation: DMat3,

@@ -27,14 +27,14 @@ impl TrianglePlane {
 
     /// The parameter at which a line meets the plane. Not finite for a line in the plane.
     #[inline(always)]
-    pub fn distance(&self, origin: DVec3, direction: DVec3) -> f64 {
+    pub fn ray_parameter(&self, origin: DVec3, direction: DVec3) -> f64 {
         self.normal.dot(self.point - origin) / self.normal.dot(direction)
     }
 
     /// How far a point is outside the triangle's box along the axis where it is farthest; not above 0
     /// for a point inside.
     #[inline(always)]
-    pub fn outside(&self, point: DVec3) -> f64 {
+    pub fn distance_outside_box(&self, point: DVec3) -> f64 {
         let (below, above) = (self.min - point, point - self.max);
         let larger = |a: f64, b: f64| if a > b { a } else { b };
         let x = larger(below.x, above.x);
@@ -54,7 +54,7 @@ impl TrianglePlane {
     /// in which order, however steep the plane.
     #[cold]
     #[inline(never)]
-    pub fn distance_in_box(&self, origin: DVec3, direction: DVec3, padding: f64, t: f64) -> f64 {
+    pub fn clamp_to_box(&self, origin: DVec3, direction: DVec3, padding: f64, t: f64) -> f64 {
         let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {
             let inverse = 1.0 / direction[axis];
@@ -185,11 +185,11 @@ mod tests {
     fn distance(origin: Vec3, direction: Vec3) -> f64 {
         let (origin, direction) = (origin.as_dvec3(), direction.as_dvec3());
         let plane = TrianglePlane::through(VERTICES);
-        let t = plane.distance(origin, direction);
-        if plane.outside(origin + t * direction) <= 1e-6 {
+        let t = plane.ray_parameter(origin, direction);
+        if plane.distance_outside_box(origin + t * direction) <= 1e-6 {
             t
         } else {
-            plane.distance_in_box(origin, direction, 1e-6, t)
+            plane.clamp_to_box(origin, direction, 1e-6, t)
         }
     }
 

@@ -88,7 +88,7 @@ impl Settings {
         }
     }
 
-    /// Columns and rows of frames of the same aspect ratio, with at most so many columns.
+    /// Columns and rows of frames of the same aspect ratio, with at most `columns` columns.
     pub fn size_within(&self, columns: u32) -> (u32, u32) {
         let (width, height) = self.size.unwrap_or(SIZE);
         let columns = width.min(columns);
@@ -181,7 +181,7 @@ impl Settings {
         Ok(())
     }
 
-    /// How indirect diffuse light is computed in a sequence of so many frames. The default is `Cached` in montecarlo
+    /// How indirect diffuse light is computed in a sequence of `frames` frames. The default is `Cached` in montecarlo
     /// sequences of more than one frame without `splits`, and else `PathTraced`.
     pub fn global_illumination(&self, frames: u32) -> GlobalIllumination {
         let has_indirect = !matches!(
@@ -196,7 +196,7 @@ impl Settings {
             })
     }
 
-    /// The settings of frames in a sequence of so many, with defaults for what nothing says: raytracing, 1280 x 720,
+    /// The settings of frames in a sequence of `frames`, with defaults for what nothing says: raytracing, 1280 x 720,
     /// 4 bounces, 32 paths from the first diffuse bounce, seed 0; for indirect light see
     /// [`Settings::global_illumination`].
     pub fn resolve(&self, frames: u32) -> RenderSettings {

@@ -60,8 +60,8 @@ pub(super) fn decode(
     Ok((texture, notice))
 }
 
-/// Whether the end of a JPEG file is missing, which the decoder would fill with grey: no end-of-image marker follows the
-/// start of the first scan. The segments before that give their lengths.
+/// Whether the end of a JPEG file is missing, which the decoder would fill with grey: no end-of-image marker follows
+/// the start of the first scan. The segments before that give their lengths.
 fn is_truncated_jpeg(bytes: &[u8]) -> bool {
     const START_OF_SCAN: u8 = 0xda;
     const END_OF_IMAGE: [u8; 2] = [0xff, 0xd9];

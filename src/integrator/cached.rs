@@ -4,10 +4,10 @@ use super::camera_sample::CameraSample;
 use super::final_gather::{FinalGather, GatherPoint, gather_for};
 use super::hit_surfaces::ambient;
 use super::whitted::Wavefront;
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::irradiance_cache::IrradianceCache;
 use crate::material::Features;
-use crate::scene::Surface;
+use crate::scene::SurfaceInteraction;
 use glam::Vec3;
 
 /// Paths of a final gather: few points need one, and every camera sample has its own.
@@ -25,17 +25,17 @@ impl CachedIrradiance<'_> {
     pub(super) fn indirect<F: Features>(
         &self,
         wavefront: &Wavefront,
-        traversal: &mut Traversal,
+        query_state: &mut QueryState,
     ) -> Vec<Vec3> {
         if wavefront.bounces_left == 0 {
             return vec![ambient(self.final_gather.scene()); wavefront.surfaces.len()];
         }
-        let has_diffuse = |surface: &&Surface| surface.reflectance.has_diffuse::<F>();
+        let has_diffuse = |surface: &&SurfaceInteraction| surface.bsdf.has_diffuse::<F>();
         let surface = |index: usize| wavefront.surfaces[index].as_ref().filter(has_diffuse);
         let count = wavefront.surfaces.len();
         let (mut indices, mut points) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for index in 0..count {
-            if let Some(Surface { point, .. }) = surface(index) {
+            if let Some(SurfaceInteraction { point, .. }) = surface(index) {
                 indices.push(index);
                 points.push((point.position, point.shading_normal));
             }
@@ -69,7 +69,7 @@ impl CachedIrradiance<'_> {
             wavefront.bounces_left,
             GATHER_PATHS,
             Some(&self.cache.secondary),
-            traversal,
+            query_state,
         );
         for (index, light) in missed.into_iter().zip(gathered) {
             indirect[index] = light;

@@ -1,7 +1,7 @@
 //! A sample of the camera.
 
 use crate::math::Ray;
-use crate::sampling::Sequence;
+use crate::sampling::SobolSequence;
 
 /// A camera ray and its random numbers. Pair 0 of these is the camera's own.
 #[derive(Clone, Copy, Debug)]
@@ -9,7 +9,7 @@ pub struct CameraSample {
     /// The ray, of unit direction.
     pub ray: Ray,
     /// The random numbers of its film position.
-    pub sequence: Sequence,
+    pub sequence: SobolSequence,
     /// Sample index within `sequence`.
     pub index: u32,
 }

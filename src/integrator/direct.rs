@@ -1,9 +1,9 @@
 //! Direct light of all point lights at many surfaces at once.
 
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::material::Features;
 use crate::math::Ray;
-use crate::scene::{Scene, ShadowPacket, Surface, SurfacePointPacket};
+use crate::scene::{Scene, ShadowPacket, SurfaceInteraction, SurfacePointPacket};
 use crate::simd::PACKET_WIDTH;
 use glam::Vec3;
 
@@ -22,12 +22,12 @@ pub(super) struct LightContribution {
 /// [`direct_lighting`] of surfaces side by side, whose shadow rays are coherent.
 pub(super) fn direct_lighting_coherent<F: Features>(
     scene: &Scene,
-    surfaces: &[Option<Surface>],
+    surfaces: &[Option<SurfaceInteraction>],
     rays: &[Ray],
-    traversal: &mut Traversal,
+    query_state: &mut QueryState,
 ) -> Vec<Vec3> {
     let occluded = |shadow_packets: &[ShadowPacket]| {
-        let of_packet = |shadow_packet| scene.occluded_coherent(shadow_packet, traversal);
+        let of_packet = |shadow_packet| scene.occluded_coherent(shadow_packet, query_state);
         shadow_packets.iter().map(of_packet).collect()
     };
     direct_lighting::<F>(scene, surfaces, rays, occluded, |_| {})
@@ -36,13 +36,13 @@ pub(super) fn direct_lighting_coherent<F: Features>(
 /// [`direct_lighting`] of surfaces all over the scene.
 pub(super) fn direct_lighting_incoherent<F: Features>(
     scene: &Scene,
-    surfaces: &[Option<Surface>],
+    surfaces: &[Option<SurfaceInteraction>],
     rays: &[Ray],
-    traversal: &mut Traversal,
+    query_state: &mut QueryState,
     on_contribution: impl FnMut(&LightContribution),
 ) -> Vec<Vec3> {
     let occluded =
-        |shadow_packets: &[ShadowPacket]| scene.occluded_incoherent(shadow_packets, traversal);
+        |shadow_packets: &[ShadowPacket]| scene.occluded_incoherent(shadow_packets, query_state);
     direct_lighting::<F>(scene, surfaces, rays, occluded, on_contribution)
 }
 
@@ -53,16 +53,16 @@ pub(super) fn direct_lighting_incoherent<F: Features>(
 /// that reaches a surface.
 fn direct_lighting<F: Features>(
     scene: &Scene,
-    surfaces: &[Option<Surface>],
+    surfaces: &[Option<SurfaceInteraction>],
     rays: &[Ray],
     mut occluded: impl FnMut(&[ShadowPacket]) -> Vec<u32>,
     mut on_contribution: impl FnMut(&LightContribution),
 ) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; surfaces.len()];
-    let reflecting: Vec<(usize, &Surface)> = (0..)
+    let reflecting: Vec<(usize, &SurfaceInteraction)> = (0..)
         .zip(surfaces)
         .filter_map(|(index, surface)| Some((index, surface.as_ref()?)))
-        .filter(|(_, surface)| surface.reflectance.reflects_light::<F>())
+        .filter(|(_, surface)| surface.bsdf.has_direct::<F>())
         .collect();
     let packets = reflecting.chunks(PACKET_WIDTH).map(|surfaces| {
         let mut points = SurfacePointPacket::default();
@@ -89,12 +89,12 @@ fn direct_lighting<F: Features>(
             for lane in shadow_packet.unoccluded(*occluded) {
                 let (index, surface) = surfaces[lane];
                 let distance = shadow_packet.distance(lane);
-                let reflected = surface.reflectance.reflect_light::<F>(
+                let reflected = surface.bsdf.eval_cos::<F>(
                     surface.point.shading_normal,
                     shadow_packet.direction(lane),
                     -rays[index].direction,
                 );
-                sums[index] += reflected * light.color_at(distance * distance);
+                sums[index] += reflected * light.irradiance_over_pi(distance * distance);
                 on_contribution(&LightContribution {
                     surface: index,
                     light: light_index,

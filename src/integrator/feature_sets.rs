@@ -1,26 +1,27 @@
 //! Code compiled for each set of material features.
 
-/// An array of a generic function's instances, one for each set of features, by [`FeatureSet::number`](crate::material::FeatureSet::number).
+/// An array of a generic function's instances, one for each set of features, by
+/// [`FeatureSet::index`](crate::material::FeatureSet::index).
 macro_rules! for_each_feature_set {
     ($($function:tt)+) => {{
-        use crate::material::Only;
+        use crate::material::FeatureMask;
         [
-            $($function)+::<Only<0>>,
-            $($function)+::<Only<1>>,
-            $($function)+::<Only<2>>,
-            $($function)+::<Only<3>>,
-            $($function)+::<Only<4>>,
-            $($function)+::<Only<5>>,
-            $($function)+::<Only<6>>,
-            $($function)+::<Only<7>>,
-            $($function)+::<Only<8>>,
-            $($function)+::<Only<9>>,
-            $($function)+::<Only<10>>,
-            $($function)+::<Only<11>>,
-            $($function)+::<Only<12>>,
-            $($function)+::<Only<13>>,
-            $($function)+::<Only<14>>,
-            $($function)+::<Only<15>>,
+            $($function)+::<FeatureMask<0>>,
+            $($function)+::<FeatureMask<1>>,
+            $($function)+::<FeatureMask<2>>,
+            $($function)+::<FeatureMask<3>>,
+            $($function)+::<FeatureMask<4>>,
+            $($function)+::<FeatureMask<5>>,
+            $($function)+::<FeatureMask<6>>,
+            $($function)+::<FeatureMask<7>>,
+            $($function)+::<FeatureMask<8>>,
+            $($function)+::<FeatureMask<9>>,
+            $($function)+::<FeatureMask<10>>,
+            $($function)+::<FeatureMask<11>>,
+            $($function)+::<FeatureMask<12>>,
+            $($function)+::<FeatureMask<13>>,
+            $($function)+::<FeatureMask<14>>,
+            $($function)+::<FeatureMask<15>>,
         ]
     }};
 }

@@ -4,12 +4,12 @@ use super::feature_sets::for_each_feature_set;
 use super::light_sampler::LightSampler;
 use super::path_state::{PathState, Technique};
 use super::path_tracer::PathTracer;
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::irradiance_cache::SecondaryIrradiance;
-use crate::material::{FeatureSet, Features, Reflectance};
+use crate::material::{Bsdf, FeatureSet, Features};
 use crate::math::Ray;
-use crate::sampling::Sequence;
-use crate::scene::{Scene, Surface, SurfacePoint};
+use crate::sampling::SobolSequence;
+use crate::scene::{Scene, SurfaceInteraction, SurfacePoint};
 use glam::Vec3;
 use std::marker::PhantomData;
 
@@ -19,7 +19,7 @@ pub struct GatherPoint {
     /// The point.
     pub point: SurfacePoint,
     /// The random numbers.
-    pub sequence: Sequence,
+    pub sequence: SobolSequence,
     /// Sample index within `sequence`: points with the same sequence have different indices.
     pub index: u32,
 }
@@ -53,10 +53,10 @@ impl<'a> FinalGather<'a> {
         bounces_left: u32,
         paths: u32,
         cache: Option<&SecondaryIrradiance>,
-        traversal: &mut Traversal,
+        query_state: &mut QueryState,
     ) -> Vec<Vec3> {
-        let for_features = GATHER[self.scene().features().number()];
-        for_features(self, points, bounces_left, paths, cache, traversal)
+        let for_features = GATHER[self.scene().features().index()];
+        for_features(self, points, bounces_left, paths, cache, query_state)
     }
 }
 
@@ -66,7 +66,7 @@ type GatherFor = fn(
     u32,
     u32,
     Option<&SecondaryIrradiance>,
-    &mut Traversal,
+    &mut QueryState,
 ) -> Vec<Vec3>;
 
 /// [`FinalGather::gather`] for each set of features.
@@ -79,10 +79,10 @@ pub(super) fn gather_for<F: Features>(
     bounces_left: u32,
     paths: u32,
     cache: Option<&SecondaryIrradiance>,
-    traversal: &mut Traversal,
+    query_state: &mut QueryState,
 ) -> Vec<Vec3> {
     /// Reflects all incident light.
-    const WHITE: Reflectance = Reflectance {
+    const WHITE: Bsdf = Bsdf {
         diffuse: Vec3::ONE,
         specular: Vec3::ZERO,
         shininess: 0.0,
@@ -93,13 +93,13 @@ pub(super) fn gather_for<F: Features>(
         bounces: bounces_left,
         splits: &[paths],
         cache,
-        traversal,
+        query_state,
         features: PhantomData,
     };
     let surface = |point: &GatherPoint| {
-        Some(Surface {
+        Some(SurfaceInteraction {
             point: point.point,
-            reflectance: WHITE,
+            bsdf: WHITE,
         })
     };
     let path = |point: &GatherPoint| PathState {
@@ -108,9 +108,9 @@ pub(super) fn gather_for<F: Features>(
         depth: 0,
         diffuse_bounces: 0,
         index: point.index,
-        technique: Technique::Only,
+        technique: Technique::Single,
     };
-    let surfaces: Vec<Option<Surface>> = points.iter().map(surface).collect();
+    let surfaces: Vec<Option<SurfaceInteraction>> = points.iter().map(surface).collect();
     let paths: Vec<PathState> = points.iter().map(path).collect();
     let direct = vec![Vec3::ZERO; points.len()];
     let mut radiance = direct.clone();

@@ -1,20 +1,20 @@
 //! What all integrators do at hits: surfaces, mirror reflection, and the ambient term.
 
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::geometry::Hit;
-use crate::material::{Features, mirror};
+use crate::material::{Features, reflect};
 use crate::math::Ray;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Scene, SurfaceInteraction};
 use glam::Vec3;
 
 /// The surface that each of some coherent rays hits.
 pub(super) fn coherent_surfaces<F: Features>(
     scene: &Scene,
     rays: &[Ray],
-    traversal: &mut Traversal,
-) -> Vec<Option<Surface>> {
+    query_state: &mut QueryState,
+) -> Vec<Option<SurfaceInteraction>> {
     let mut hits = vec![None; rays.len()];
-    scene.closest_coherent(rays, &mut hits, traversal);
+    scene.closest_coherent(rays, &mut hits, query_state);
     surfaces::<F>(scene, rays, &hits)
 }
 
@@ -23,7 +23,7 @@ pub(super) fn surfaces<F: Features>(
     scene: &Scene,
     rays: &[Ray],
     hits: &[Option<Hit>],
-) -> Vec<Option<Surface>> {
+) -> Vec<Option<SurfaceInteraction>> {
     let surface =
         |(ray, hit): (&Ray, &Option<Hit>)| hit.as_ref().map(|hit| scene.surface::<F>(ray, hit));
     rays.iter().zip(hits).map(surface).collect()
@@ -31,19 +31,19 @@ pub(super) fn surfaces<F: Features>(
 
 /// The ambient light that stands for all bounces that are not computed.
 pub(super) fn ambient(scene: &Scene) -> Vec3 {
-    const FRACTION: f32 = 0.3;
-    FRACTION * scene.ambient
+    const AMBIENT_FRACTION: f32 = 0.3;
+    AMBIENT_FRACTION * scene.ambient
 }
 
-/// The mirror reflection of `ray` at the surface.
-pub(super) fn reflect(surface: &Surface, ray: &Ray) -> Ray {
+/// The ray that `ray` continues in by mirror reflection at the surface.
+pub(super) fn spawn_reflected_ray(surface: &SurfaceInteraction, ray: &Ray) -> Ray {
     let viewer = -ray.direction;
-    let reflected = mirror(viewer, surface.point.shading_normal);
+    let reflected = reflect(viewer, surface.point.shading_normal);
     // An interpolated normal may reflect into the surface; the geometric normal never does.
     let reflected = if reflected.dot(surface.point.geometric_normal) > 0.0 {
         reflected
     } else {
-        mirror(viewer, surface.point.geometric_normal)
+        reflect(viewer, surface.point.geometric_normal)
     };
     surface.point.spawn_ray(reflected)
 }

@@ -1,16 +1,17 @@
 //! Light-guided sampling: rays from the lights that illuminate a small area near them far more brightly than the rest
-//! of the scene, the light subpath of bidirectional path tracing (Veach 1997, chapter 10).
+//! of the scene, the light subpath of bidirectional path tracing (Veach 1997, chapter 10). Direct light, from all
+//! lights, is in `direct`.
 
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::light::{Falloff, PointLight};
-use crate::material::Only;
+use crate::material::FeatureMask;
 use crate::math::Ray;
-use crate::sampling::{Sequence, uniform_sphere};
+use crate::sampling::{SobolSequence, uniform_sphere};
 use crate::scene::Scene;
 use std::f32::consts::PI;
 
-/// A light guides paths if the mean irradiance around it is at least so many times that on a sphere about it.
-const MIN_UNEVENNESS: f32 = 2.0;
+/// A light guides paths if the mean irradiance around it is more than this many times that on a sphere around it.
+const MIN_IRRADIANCE_RATIO: f32 = 2.0;
 
 /// Rays that measure this, per light.
 const PROBE_RAYS: u32 = 1024;
@@ -30,7 +31,8 @@ impl<'a> LightSampler<'a> {
     /// Traces rays from the lights of a scene to find those that are close to surfaces.
     pub fn new(scene: &'a Scene) -> LightSampler<'a> {
         let power = |light: &PointLight| {
-            if light.falloff == Falloff::InverseSquare && unevenness(scene, light) > MIN_UNEVENNESS
+            if light.falloff == Falloff::InverseSquare
+                && irradiance_ratio(scene, light) > MIN_IRRADIANCE_RATIO
             {
                 light.intensity.as_dvec3().element_sum()
             } else {
@@ -90,18 +92,18 @@ impl<'a> LightSampler<'a> {
 }
 
 /// The mean irradiance where rays from a light hit, over that on a sphere whose radius is their mean length.
-fn unevenness(scene: &Scene, light: &PointLight) -> f32 {
-    let sequence = Sequence::new(0, 0, 0, 0);
-    let mut traversal = Traversal::default();
+fn irradiance_ratio(scene: &Scene, light: &PointLight) -> f32 {
+    let sequence = SobolSequence::new(0, 0, 0, 0);
+    let mut query_state = QueryState::default();
     let (mut count, mut lengths, mut irradiances) = (0.0, 0.0, 0.0);
     for i in 0..PROBE_RAYS {
         let [u, v] = sequence.sample_2d(i, 0);
         let ray = Ray::new(light.position, uniform_sphere(u, v));
-        let Some(hit) = scene.closest(&ray, &mut traversal) else {
+        let Some(hit) = scene.closest(&ray, &mut query_state) else {
             continue;
         };
         let cos = scene
-            .surface::<Only<0>>(&ray, &hit)
+            .surface::<FeatureMask<0>>(&ray, &hit)
             .point
             .geometric_normal
             .dot(-ray.direction);
@@ -176,11 +178,11 @@ mod tests {
         let scene = floor_below(&[0.5, 0.5]);
         let sampler = LightSampler::new(&scene);
         let (radius, height) = (0.3_f32, 0.5_f32);
-        let sequence = Sequence::new(1, 0, 0, 0);
-        let mut traversal = Traversal::default();
+        let sequence = SobolSequence::new(1, 0, 0, 0);
+        let mut query_state = QueryState::default();
         let hits_disc = |i: u32| {
             let ray = sampler.sample_ray(sequence.sample_2d(i, 0));
-            let hit = scene.closest(&ray, &mut traversal);
+            let hit = scene.closest(&ray, &mut query_state);
             hit.is_some_and(|hit| (ray.at(hit.t).as_vec3() - ray.origin).xz().length() < radius)
         };
         let fraction = (0..1 << 16).map(hits_disc).filter(|a| *a).count() as f32 / 65536.0;

@@ -3,8 +3,8 @@
 
 use crate::geometry::Hit;
 use crate::math::{NO_PRIMITIVE, Ray};
-use crate::sampling::Sequence;
-use crate::scene::Surface;
+use crate::sampling::SobolSequence;
+use crate::scene::SurfaceInteraction;
 use std::f32::consts::PI;
 
 /// A path up to its last ray.
@@ -12,7 +12,7 @@ use std::f32::consts::PI;
 pub(super) struct PathState {
     pub(super) ray: Ray,
     /// The random numbers of its film position.
-    pub(super) sequence: Sequence,
+    pub(super) sequence: SobolSequence,
     /// Bounces since the camera.
     pub(super) depth: u32,
     /// Diffuse bounces among them.
@@ -32,7 +32,7 @@ pub(super) struct PathState {
 #[derive(Clone, Copy)]
 pub(super) enum Technique {
     /// The only technique: camera and mirror rays, and diffuse rays without guiding lights.
-    Only,
+    Single,
     /// By the cosine, one of two techniques.
     Cosine {
         /// Its pdf over solid angle.
@@ -57,14 +57,14 @@ impl Technique {
         distance: 0.0,
     };
 
-    /// The probability of the guided technique: see [`Sequence::choose_technique`].
+    /// The probability of the guided technique: see [`SobolSequence::choose_technique`].
     const GUIDE_FRACTION: f32 = 0.25;
 }
 
 impl PathState {
     /// Connects `surface` to the point where this path's ray, which leaves a light, hits. None if the point lies
     /// below the surface's horizon.
-    pub(super) fn connect(&self, surface: &Surface, hit: &Hit) -> Option<PathState> {
+    pub(super) fn connect(&self, surface: &SurfaceInteraction, hit: &Hit) -> Option<PathState> {
         let to_point = self.ray.at(hit.t) - surface.point.position.as_dvec3();
         let distance = to_point.length();
         let direction = (to_point / distance).as_vec3();
@@ -81,14 +81,19 @@ impl PathState {
         })
     }
 
-    /// The pdf of cosine sampling over that of the mixture. `hit` is what the ray hits, `guide_pdf` the pdf of
-    /// guided points there, over area. Zero if the ray was connected to a point and hits another.
-    pub(super) fn weight(&self, hit: Option<(&Hit, &Surface)>, guide_pdf: f32) -> f32 {
+    /// The weight of multiple importance sampling by the balance heuristic: the pdf of cosine sampling over that of the
+    /// mixture. `hit` is what the ray hits, `light_pdf_area` the pdf, over area, of rays from lights there. Zero if the
+    /// ray was connected to a point and hits another.
+    pub(super) fn mis_weight(
+        &self,
+        hit: Option<(&Hit, &SurfaceInteraction)>,
+        light_pdf_area: f32,
+    ) -> f32 {
         /// Relative tolerance: more than rounding, less than the distance to a sphere's far side except at its
         /// silhouette.
-        const SAME_DISTANCE: f64 = 1e-3;
+        const CONNECTION_TOLERANCE: f64 = 1e-3;
         let cosine_pdf = match self.technique {
-            Technique::Only => return 1.0,
+            Technique::Single => return 1.0,
             Technique::Cosine { pdf } => pdf,
             Technique::Guided {
                 cosine_pdf,
@@ -97,21 +102,21 @@ impl PathState {
             } => {
                 let is_connected = hit.is_some_and(|(hit, _)| {
                     hit.primitive == primitive
-                        && (hit.t - distance).abs() <= SAME_DISTANCE * distance
+                        && (hit.t - distance).abs() <= CONNECTION_TOLERANCE * distance
                 });
-                if !is_connected || guide_pdf == 0.0 {
+                if !is_connected || light_pdf_area == 0.0 {
                     return 0.0;
                 }
                 cosine_pdf
             }
         };
-        let guided_pdf = hit.map_or(0.0, |(_, surface)| {
+        let light_pdf = hit.map_or(0.0, |(_, surface)| {
             let distance_squared = (surface.point.position - self.ray.origin).length_squared();
             let cos = -surface.point.geometric_normal.dot(self.ray.direction);
-            guide_pdf * distance_squared / cos
+            light_pdf_area * distance_squared / cos
         });
         let mixture_pdf =
-            (1.0 - Technique::GUIDE_FRACTION) * cosine_pdf + Technique::GUIDE_FRACTION * guided_pdf;
+            (1.0 - Technique::GUIDE_FRACTION) * cosine_pdf + Technique::GUIDE_FRACTION * light_pdf;
         // The pdf of a direction along the horizon is zero.
         if mixture_pdf > 0.0 {
             cosine_pdf / mixture_pdf
@@ -128,18 +133,18 @@ mod tests {
 
     #[test]
     fn directions_along_the_horizon_have_no_weight() {
-        let weight = |pdf| {
+        let mis_weight = |pdf| {
             let path = PathState {
                 ray: Ray::new(Vec3::ZERO, Vec3::X),
-                sequence: Sequence::new(0, 0, 0, 0),
+                sequence: SobolSequence::new(0, 0, 0, 0),
                 depth: 1,
                 diffuse_bounces: 1,
                 index: 0,
                 technique: Technique::Cosine { pdf },
             };
-            path.weight(None, 0.0)
+            path.mis_weight(None, 0.0)
         };
-        assert_eq!(weight(0.0), 0.0);
-        assert_eq!(weight(0.3), 1.0 / 0.75);
+        assert_eq!(mis_weight(0.0), 0.0);
+        assert_eq!(mis_weight(0.3), 1.0 / 0.75);
     }
 }

@@ -3,24 +3,24 @@
 
 use super::camera_sample::CameraSample;
 use super::direct::{LightContribution, direct_lighting_incoherent};
-use super::hit_surfaces::{ambient, reflect, surfaces};
+use super::hit_surfaces::{ambient, spawn_reflected_ray, surfaces};
 use super::light_sampler::LightSampler;
 use super::path_state::{PathState, Technique};
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::Features;
 use crate::math::{Ray, to_world};
 use crate::sampling::{MixtureChoice, cosine_hemisphere};
-use crate::scene::{Scene, Surface};
+use crate::scene::{Scene, SurfaceInteraction};
 use glam::Vec3;
 use std::f32::consts::PI;
 use std::marker::PhantomData;
 
 /// Wavefront size, in paths.
-const WAVE: usize = 128;
+const WAVEFRONT_SIZE: usize = 128;
 
 /// The first pair of random numbers for rays from lights, by depth: above the pairs of all depths.
-const GUIDE_PAIRS: u32 = 1 << 16;
+const LIGHT_DIMENSION_OFFSET: u32 = 1 << 16;
 
 /// A path that continues from another.
 struct SplitPath {
@@ -39,7 +39,7 @@ pub(super) struct PathTracer<'a, F> {
     pub(super) splits: &'a [u32],
     /// Ends paths beyond the first diffuse bounce where it has records.
     pub(super) cache: Option<&'a SecondaryIrradiance>,
-    pub(super) traversal: &'a mut Traversal,
+    pub(super) query_state: &'a mut QueryState,
     pub(super) features: PhantomData<F>,
 }
 
@@ -49,7 +49,7 @@ impl<F: Features> PathTracer<'_, F> {
     pub(super) fn camera_radiance(
         &mut self,
         samples: &[CameraSample],
-        surfaces: &[Option<Surface>],
+        surfaces: &[Option<SurfaceInteraction>],
         direct: &[Vec3],
         radiance: &mut [Vec3],
     ) {
@@ -59,7 +59,7 @@ impl<F: Features> PathTracer<'_, F> {
             depth: 0,
             diffuse_bounces: 0,
             index: sample.index,
-            technique: Technique::Only,
+            technique: Technique::Single,
         };
         let paths: Vec<PathState> = samples.iter().map(from_camera).collect();
         self.outgoing_radiance(&paths, surfaces, direct, radiance);
@@ -69,26 +69,30 @@ impl<F: Features> PathTracer<'_, F> {
         self.light_sampler.scene()
     }
 
-    /// The incident radiance along the last rays of up to [`WAVE`] paths.
+    /// The incident radiance along the last rays of up to [`WAVEFRONT_SIZE`] paths.
     fn incident_radiance(&mut self, paths: &[PathState], radiance: &mut [Vec3]) {
         let scene = self.light_sampler.scene();
         let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
         let mut hits = vec![None; rays.len()];
-        scene.closest_incoherent(&rays, &mut hits, self.traversal);
+        scene.closest_incoherent(&rays, &mut hits, self.query_state);
         let mut surfaces = surfaces::<F>(scene, &rays, &hits);
         let light_sampler = self.light_sampler;
         if light_sampler.is_empty() {
             let direct = self.direct_lighting(&surfaces, &rays, |_| {});
             return self.outgoing_radiance(paths, &surfaces, &direct, radiance);
         }
-        let mut guide_pdfs = [0.0; WAVE];
-        let direct = self.direct_lighting(&surfaces, &rays, |lit| {
-            guide_pdfs[lit.surface] += light_sampler.pdf(lit.light, lit.distance, lit.cosine);
+        let mut light_pdfs = [0.0; WAVEFRONT_SIZE];
+        let direct = self.direct_lighting(&surfaces, &rays, |contribution| {
+            light_pdfs[contribution.surface] += light_sampler.pdf(
+                contribution.light,
+                contribution.distance,
+                contribution.cosine,
+            );
         });
-        let mut weights = [0.0; WAVE];
+        let mut weights = [0.0; WAVEFRONT_SIZE];
         for (i, path) in paths.iter().enumerate() {
             let hit = hits[i].as_ref().zip(surfaces[i].as_ref());
-            weights[i] = path.weight(hit, guide_pdfs[i]);
+            weights[i] = path.mis_weight(hit, light_pdfs[i]);
             if weights[i] == 0.0 {
                 surfaces[i] = None;
             }
@@ -101,12 +105,12 @@ impl<F: Features> PathTracer<'_, F> {
 
     fn direct_lighting(
         &mut self,
-        surfaces: &[Option<Surface>],
+        surfaces: &[Option<SurfaceInteraction>],
         rays: &[Ray],
         on_contribution: impl FnMut(&LightContribution),
     ) -> Vec<Vec3> {
         let scene = self.light_sampler.scene();
-        direct_lighting_incoherent::<F>(scene, surfaces, rays, self.traversal, on_contribution)
+        direct_lighting_incoherent::<F>(scene, surfaces, rays, self.query_state, on_contribution)
     }
 
     /// The radiance that the surfaces at the ends of paths send back along their last rays, given the reflected
@@ -117,19 +121,19 @@ impl<F: Features> PathTracer<'_, F> {
     pub(super) fn outgoing_radiance(
         &mut self,
         paths: &[PathState],
-        surfaces: &[Option<Surface>],
+        surfaces: &[Option<SurfaceInteraction>],
         direct: &[Vec3],
         radiance: &mut [Vec3],
     ) {
-        let mut splits = Vec::with_capacity(WAVE);
+        let mut splits = Vec::with_capacity(WAVEFRONT_SIZE);
         for (parent, path) in paths.iter().enumerate() {
             let Some(surface) = &surfaces[parent] else {
                 radiance[parent] = self.scene().background;
                 continue;
             };
-            let base_weight = surface.reflectance.base_weight::<F>();
-            let mirror = surface.reflectance.mirror::<F>();
-            let diffuse = base_weight * surface.reflectance.diffuse;
+            let base_weight = surface.bsdf.base_weight::<F>();
+            let mirror = surface.bsdf.mirror_weight::<F>();
+            let diffuse = base_weight * surface.bsdf.diffuse;
             radiance[parent] = base_weight * direct[parent];
             let mut emit = |throughput, path| {
                 splits.push(SplitPath {
@@ -151,7 +155,7 @@ impl<F: Features> PathTracer<'_, F> {
                 self.split(path, surface, diffuse, mirror, &mut emit);
             }
             // No more than full wavefronts need, so that they stay in the processor's cache.
-            if splits.len() >= WAVE {
+            if splits.len() >= WAVEFRONT_SIZE {
                 self.trace_splits(&mut splits, surfaces, radiance);
             }
         }
@@ -160,7 +164,7 @@ impl<F: Features> PathTracer<'_, F> {
 
     /// The cosine-weighted mean radiance that arrives at the end of a path, from the irradiance cache; none if it has
     /// no record there.
-    fn cached_irradiance(&self, path: &PathState, surface: &Surface) -> Option<Vec3> {
+    fn cached_irradiance(&self, path: &PathState, surface: &SurfaceInteraction) -> Option<Vec3> {
         let cache = self.cache?;
         let point = &surface.point;
         let distance = (point.position - path.ray.origin).length();
@@ -172,15 +176,15 @@ impl<F: Features> PathTracer<'_, F> {
     fn trace_splits(
         &mut self,
         splits: &mut Vec<SplitPath>,
-        surfaces: &[Option<Surface>],
+        surfaces: &[Option<SurfaceInteraction>],
         radiance: &mut [Vec3],
     ) {
         if !self.light_sampler.is_empty() {
             self.connect(splits, surfaces);
         }
-        for wave in splits.chunks(WAVE) {
+        for wave in splits.chunks(WAVEFRONT_SIZE) {
             let paths: Vec<PathState> = wave.iter().map(|split| split.path).collect();
-            let mut incident = [Vec3::ZERO; WAVE];
+            let mut incident = [Vec3::ZERO; WAVEFRONT_SIZE];
             self.incident_radiance(&paths, &mut incident);
             for (split, incident) in wave.iter().zip(incident) {
                 radiance[split.parent] += split.throughput * incident;
@@ -191,14 +195,14 @@ impl<F: Features> PathTracer<'_, F> {
 
     /// Replaces rays that leave lights by rays from the surfaces to the points that these hit; drops paths that cannot
     /// be connected.
-    fn connect(&mut self, splits: &mut Vec<SplitPath>, surfaces: &[Option<Surface>]) {
+    fn connect(&mut self, splits: &mut Vec<SplitPath>, surfaces: &[Option<SurfaceInteraction>]) {
         let from_lights: Vec<usize> = (0..splits.len())
             .filter(|&i| matches!(splits[i].path.technique, Technique::Guided { .. }))
             .collect();
         let rays: Vec<Ray> = from_lights.iter().map(|&i| splits[i].path.ray).collect();
         let mut hits = vec![None; rays.len()];
         let scene = self.light_sampler.scene();
-        scene.closest_incoherent(&rays, &mut hits, self.traversal);
+        scene.closest_incoherent(&rays, &mut hits, self.query_state);
         for (&i, hit) in from_lights.iter().zip(&hits) {
             let split = &mut splits[i];
             let surface = surfaces[split.parent].as_ref();
@@ -216,7 +220,7 @@ impl<F: Features> PathTracer<'_, F> {
     fn split(
         &self,
         path: &PathState,
-        surface: &Surface,
+        surface: &SurfaceInteraction,
         diffuse: Vec3,
         mirror: Vec3,
         emit: &mut impl FnMut(Vec3, PathState),
@@ -238,7 +242,7 @@ impl<F: Features> PathTracer<'_, F> {
                 depth: path.depth + 1,
                 diffuse_bounces: path.diffuse_bounces + 1,
                 index: path.index.wrapping_mul(count).wrapping_add(i),
-                technique: Technique::Only,
+                technique: Technique::Single,
                 ..*path
             };
             let by_mirror = mirror_probability > 0.0
@@ -256,14 +260,16 @@ impl<F: Features> PathTracer<'_, F> {
     /// The path with a direction sampled from the diffuse lobe; none if the direction lies below the geometric
     /// horizon.
     #[inline]
-    fn sample_diffuse(&self, path: PathState, surface: &Surface) -> Option<PathState> {
+    fn sample_diffuse(&self, path: PathState, surface: &SurfaceInteraction) -> Option<PathState> {
         let light_sampler = self.light_sampler;
         let mut index = path.index;
         if !light_sampler.is_empty() {
             match path.sequence.choose_technique(path.index, path.depth) {
                 MixtureChoice::Cosine(cosine) => index = cosine,
                 MixtureChoice::Guided(guided) => {
-                    let numbers = path.sequence.sample_2d(guided, GUIDE_PAIRS + path.depth);
+                    let numbers = path
+                        .sequence
+                        .sample_2d(guided, LIGHT_DIMENSION_OFFSET + path.depth);
                     return Some(PathState {
                         ray: light_sampler.sample_ray(numbers),
                         technique: Technique::UNCONNECTED,
@@ -279,7 +285,7 @@ impl<F: Features> PathTracer<'_, F> {
         (direction.dot(surface.point.geometric_normal) > 0.0).then(|| PathState {
             ray: surface.point.spawn_ray(direction),
             technique: if light_sampler.is_empty() {
-                Technique::Only
+                Technique::Single
             } else {
                 Technique::Cosine { pdf: local.z / PI }
             },
@@ -291,15 +297,15 @@ impl<F: Features> PathTracer<'_, F> {
 /// Emits the mirrored path, unless the throughput is zero.
 fn follow_mirror<F: Features>(
     path: &PathState,
-    surface: &Surface,
+    surface: &SurfaceInteraction,
     throughput: Vec3,
     emit: &mut impl FnMut(Vec3, PathState),
 ) {
     if F::MIRRORS && throughput != Vec3::ZERO {
         let next = PathState {
-            ray: reflect(surface, &path.ray),
+            ray: spawn_reflected_ray(surface, &path.ray),
             depth: path.depth + 1,
-            technique: Technique::Only,
+            technique: Technique::Single,
             ..*path
         };
         emit(throughput, next);

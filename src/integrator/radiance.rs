@@ -10,7 +10,7 @@ use super::light_sampler::LightSampler;
 use super::path_tracer::PathTracer;
 use super::settings::IntegratorSettings;
 use super::whitted::{self, Wavefront};
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::irradiance_cache::IrradianceCache;
 use crate::material::{FeatureSet, Features};
 use crate::math::Ray;
@@ -54,7 +54,7 @@ pub enum IntegratorError {
     MissingCache,
     /// The cache has the light of paths of another length.
     #[error(
-        "the irradiance cache is of {cache} bounces, the integrator of {settings}: bake another one"
+        "the irradiance cache was baked for {cache} bounces, and the settings have {settings}: bake another one"
     )]
     OtherBounces {
         /// Bounces of the cache.
@@ -125,14 +125,14 @@ impl<'a> Integrator<'a> {
     pub fn radiance(
         &self,
         samples: &[CameraSample],
-        traversal: &mut Traversal,
+        query_state: &mut QueryState,
         radiance: &mut [Vec3],
     ) {
-        RADIANCE[self.scene.features().number()](self, samples, traversal, radiance);
+        RADIANCE[self.scene.features().index()](self, samples, query_state, radiance);
     }
 }
 
-type RadianceFor = fn(&Integrator, &[CameraSample], &mut Traversal, &mut [Vec3]);
+type RadianceFor = fn(&Integrator, &[CameraSample], &mut QueryState, &mut [Vec3]);
 
 /// [`Integrator::radiance`] for each set of features.
 static RADIANCE: [RadianceFor; FeatureSet::COUNT] = for_each_feature_set!(radiance_for);
@@ -140,20 +140,20 @@ static RADIANCE: [RadianceFor; FeatureSet::COUNT] = for_each_feature_set!(radian
 fn radiance_for<F: Features>(
     integrator: &Integrator,
     samples: &[CameraSample],
-    traversal: &mut Traversal,
+    query_state: &mut QueryState,
     radiance: &mut [Vec3],
 ) {
     let scene = integrator.scene;
     let rays: Vec<Ray> = samples.iter().map(|sample| sample.ray).collect();
-    let surfaces = coherent_surfaces::<F>(scene, &rays, traversal);
-    let direct = direct_lighting_coherent::<F>(scene, &surfaces, &rays, traversal);
+    let surfaces = coherent_surfaces::<F>(scene, &rays, query_state);
+    let direct = direct_lighting_coherent::<F>(scene, &surfaces, &rays, query_state);
     match &integrator.method {
         Method::Whitted { bounces } => {
             let ambient = ambient(scene);
             let indirect =
-                |wavefront: &Wavefront, _: &mut Traversal| vec![ambient; wavefront.surfaces.len()];
+                |wavefront: &Wavefront, _: &mut QueryState| vec![ambient; wavefront.surfaces.len()];
             let first = Wavefront::of_camera(rays, surfaces, direct, *bounces);
-            whitted::radiance::<F>(scene, first, indirect, traversal, radiance);
+            whitted::radiance::<F>(scene, first, indirect, query_state, radiance);
         }
         Method::Cached {
             cache,
@@ -164,11 +164,11 @@ fn radiance_for<F: Features>(
                 final_gather,
                 samples,
             };
-            let indirect = |wavefront: &Wavefront, traversal: &mut Traversal| {
-                cached.indirect::<F>(wavefront, traversal)
+            let indirect = |wavefront: &Wavefront, query_state: &mut QueryState| {
+                cached.indirect::<F>(wavefront, query_state)
             };
             let first = Wavefront::of_camera(rays, surfaces, direct, cache.bounces());
-            whitted::radiance::<F>(scene, first, indirect, traversal, radiance);
+            whitted::radiance::<F>(scene, first, indirect, query_state, radiance);
         }
         Method::PathTraced {
             bounces,
@@ -180,7 +180,7 @@ fn radiance_for<F: Features>(
                 bounces: *bounces,
                 splits,
                 cache: None,
-                traversal,
+                query_state,
                 features: PhantomData,
             };
             path_tracer.camera_radiance(samples, &surfaces, &direct, radiance);

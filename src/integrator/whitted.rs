@@ -2,11 +2,11 @@
 //! wavefront of reflected rays after the other.
 
 use super::direct::direct_lighting_coherent;
-use super::hit_surfaces::{ambient, coherent_surfaces, reflect};
-use crate::accel::Traversal;
+use super::hit_surfaces::{ambient, coherent_surfaces, spawn_reflected_ray};
+use crate::accel::QueryState;
 use crate::material::Features;
 use crate::math::Ray;
-use crate::scene::{Scene, Surface};
+use crate::scene::{Scene, SurfaceInteraction};
 use glam::Vec3;
 
 /// Rays of the same number of reflections; all lists are of one length.
@@ -17,7 +17,7 @@ pub(super) struct Wavefront {
     /// The throughput from each ray to its camera sample.
     pub(super) throughputs: Vec<Vec3>,
     /// What each ray hits.
-    pub(super) surfaces: Vec<Option<Surface>>,
+    pub(super) surfaces: Vec<Option<SurfaceInteraction>>,
     /// The direct light that is reflected there.
     pub(super) direct: Vec<Vec3>,
     /// How many more bounces are computed.
@@ -28,7 +28,7 @@ impl Wavefront {
     /// Camera rays.
     pub(super) fn of_camera(
         rays: Vec<Ray>,
-        surfaces: Vec<Option<Surface>>,
+        surfaces: Vec<Option<SurfaceInteraction>>,
         direct: Vec<Vec3>,
         bounces_left: u32,
     ) -> Wavefront {
@@ -51,13 +51,13 @@ impl Wavefront {
 pub(super) fn radiance<F: Features>(
     scene: &Scene,
     mut wavefront: Wavefront,
-    indirect: impl Fn(&Wavefront, &mut Traversal) -> Vec<Vec3>,
-    traversal: &mut Traversal,
+    indirect: impl Fn(&Wavefront, &mut QueryState) -> Vec<Vec3>,
+    query_state: &mut QueryState,
     radiance: &mut [Vec3],
 ) {
     radiance.fill(Vec3::ZERO);
     loop {
-        let indirect = indirect(&wavefront, traversal);
+        let indirect = indirect(&wavefront, query_state);
         let mut rays = Vec::new();
         let mut samples = Vec::new();
         let mut throughputs = Vec::new();
@@ -68,17 +68,17 @@ pub(super) fn radiance<F: Features>(
                 *sum += throughput * scene.background;
                 continue;
             };
-            let reflectance = &surface.reflectance;
-            let base = indirect[i] * reflectance.diffuse + wavefront.direct[i];
-            *sum += throughput * reflectance.base_weight::<F>() * base;
-            let throughput = throughput * reflectance.mirror::<F>();
+            let bsdf = &surface.bsdf;
+            let base = indirect[i] * bsdf.diffuse + wavefront.direct[i];
+            *sum += throughput * bsdf.base_weight::<F>() * base;
+            let throughput = throughput * bsdf.mirror_weight::<F>();
             if throughput == Vec3::ZERO {
                 continue;
             }
             if wavefront.bounces_left == 0 {
                 *sum += throughput * ambient(scene);
             } else {
-                rays.push(reflect(surface, &wavefront.rays[i]));
+                rays.push(spawn_reflected_ray(surface, &wavefront.rays[i]));
                 samples.push(sample);
                 throughputs.push(throughput);
             }
@@ -86,9 +86,9 @@ pub(super) fn radiance<F: Features>(
         if rays.is_empty() {
             return;
         }
-        let surfaces = coherent_surfaces::<F>(scene, &rays, traversal);
+        let surfaces = coherent_surfaces::<F>(scene, &rays, query_state);
         wavefront = Wavefront {
-            direct: direct_lighting_coherent::<F>(scene, &surfaces, &rays, traversal),
+            direct: direct_lighting_coherent::<F>(scene, &surfaces, &rays, query_state),
             rays,
             samples,
             throughputs,

@@ -1,7 +1,7 @@
 //! Interpolation between records at a packet of points: Shepard's method with weights of compact support, in lanes.
 
-use super::linear::LinearIrradiance;
-use super::record::{HEIGHT, IrradianceRecord};
+use super::irradiance_gradient::LinearIrradiance;
+use super::record::{HEIGHT_WEIGHT, IrradianceRecord};
 use super::records::IrradianceRecords;
 use crate::math::Aabb;
 use crate::simd::{PACKET_WIDTH, Simd, WithSimd};
@@ -27,9 +27,9 @@ impl WithSimd for Interpolate<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self) -> [Option<Vec3>; LANES] {
         let mut sums = WeightedSums::new(self.points, self.records.normal_weight());
-        for &number in self.candidates {
-            let number = number as usize;
-            sums.add(&self.records[number], &self.values[number]);
+        for &index in self.candidates {
+            let index = index as usize;
+            sums.add(&self.records[index], &self.values[index]);
         }
         sums.means()
     }
@@ -92,7 +92,7 @@ impl WeightedSums {
         for (lane, weight) in weights.iter_mut().enumerate() {
             let (x, y, z) = (px[lane] - p.x, py[lane] - p.y, pz[lane] - p.z);
             let height = x * n.x + y * n.y + z * n.z;
-            let squared = x * x + y * y + z * z + HEIGHT * height * height;
+            let squared = x * x + y * y + z * z + HEIGHT_WEIGHT * height * height;
             let cos = nx[lane] * n.x + ny[lane] * n.y + nz[lane] * n.z;
             let rest = (1.0 - (squared * scale + (1.0 - cos) * self.normal_weight)).max(0.0);
             *weight = rest * rest * scale;
@@ -206,9 +206,9 @@ mod tests {
         };
         let mut records = IrradianceRecords::new(bounds, 0.6);
         let mut values = Vec::new();
-        for number in 0..500 {
+        for index in 0..500 {
             let mut occluders = OccluderPlanes::default();
-            if number % 3 == 0 {
+            if index % 3 == 0 {
                 occluders.add(random.vector(1.0), random.vector(1.0).normalize(), 0.3);
             }
             records.push(IrradianceRecord {

@@ -2,18 +2,18 @@
 //! interpolated by every frame (Ward, Rubinstein and Clear 1988, "A Ray Tracing Solution for Diffuse
 //! Interreflection").
 //!
-//! What is stored is the mean incident radiance: the mean over the hemisphere, weighted by the cosine, of the
-//! radiance that arrives from surfaces and the background. It is the irradiance E divided by π, in W/(sr m²),
-//! linear RGB; a Lambert surface of albedo a sends out a times as much. Light that comes straight from point
-//! lights is not part of it. Only diffuse reflection uses it: mirrors are traced. Paths have a fixed maximal length, so the value depends on the bounces left at a
-//! point, and each number of bounces left has values of its own.
+//! What is stored is the mean incident radiance: the mean over the hemisphere, weighted by the cosine, of the radiance
+//! that arrives from surfaces and the background. It is the irradiance E divided by π, in W/(sr m²), linear RGB; a
+//! Lambert surface of albedo a sends out a times as much. Light that comes straight from point lights is not part of
+//! it. Only diffuse reflection uses it: mirrors are traced. Paths have a fixed maximal length, so the value depends on
+//! the bounces left at a point, and each number of bounces left has values of its own.
 //!
 //! Records are clipped by the planes of nearby occluders, so light does not leak through walls. Known limit:
 //! light leaks between parallel surfaces that face the same way and are closer than 20 % of a record's radius.
 //!
 //! Knows nothing of how the values are computed: see `bake`.
 
-mod linear;
+mod irradiance_gradient;
 mod lookup;
 mod octree;
 mod primary;
@@ -21,7 +21,7 @@ mod record;
 mod records;
 mod secondary;
 
-pub use linear::LinearIrradiance;
+pub use irradiance_gradient::LinearIrradiance;
 pub use primary::PrimaryIrradiance;
 pub use record::{IrradianceRecord, OccluderPlanes};
 pub use records::IrradianceRecords;

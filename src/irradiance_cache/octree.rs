@@ -39,8 +39,8 @@ struct Cube {
 impl Cube {
     /// One of its octants; bits 0, 1 and 2 select the upper half along x, y and z.
     #[inline]
-    fn octant(self, number: usize) -> Cube {
-        let sign = |axis: usize| if number >> axis & 1 == 1 { 1.0 } else { -1.0 };
+    fn octant(self, index: usize) -> Cube {
+        let sign = |axis: usize| if index >> axis & 1 == 1 { 1.0 } else { -1.0 };
         let half = 0.5 * self.half;
         Cube {
             center: self.center + half * Vec3::new(sign(0), sign(1), sign(2)),
@@ -87,24 +87,24 @@ impl Octree {
 
     /// Adds a box; boxes are numbered from 0 in order of insertion.
     pub(super) fn insert(&mut self, new: Aabb) {
-        let number = self.boxes.len() as u32;
+        let index = self.boxes.len() as u32;
         self.boxes.push(new);
-        self.insert_below(0, self.root, 0, number);
+        self.insert_below(0, self.root, 0, index);
     }
 
-    fn insert_below(&mut self, node: usize, cube: Cube, depth: u32, number: u32) {
+    fn insert_below(&mut self, node: usize, cube: Cube, depth: u32, index: u32) {
         match &mut self.nodes[node] {
             Node::Inner(first) => {
                 let first = *first as usize;
                 for child in 0..8 {
                     let octant = cube.octant(child);
-                    if octant.overlaps(&self.boxes[number as usize]) {
-                        self.insert_below(first + child, octant, depth + 1, number);
+                    if octant.overlaps(&self.boxes[index as usize]) {
+                        self.insert_below(first + child, octant, depth + 1, index);
                     }
                 }
             }
             Node::Leaf(list) => {
-                list.push(number);
+                list.push(index);
                 let size = |&n: &u32| self.boxes[n as usize].extent().max_element();
                 let mean = list.iter().map(size).sum::<f32>() / list.len() as f32;
                 let is_large = 2.0 * cube.half > MIN_RELATIVE_SIZE * mean;
@@ -113,8 +113,8 @@ impl Octree {
                     let first = self.nodes.len();
                     self.nodes[node] = Node::Inner(first as u32);
                     self.nodes.extend((0..8).map(|_| Node::Leaf(Vec::new())));
-                    for number in list {
-                        self.insert_below(node, cube, depth, number);
+                    for index in list {
+                        self.insert_below(node, cube, depth, index);
                     }
                 }
             }
@@ -188,9 +188,9 @@ mod tests {
             let point = random.vector(1.0);
             let around = tree.around(point);
             listed += around.len();
-            for (number, b) in (0..).zip(&boxes) {
+            for (index, b) in (0..).zip(&boxes) {
                 let is_inside = (point.cmpge(b.min) & point.cmple(b.max)).all();
-                assert!(!is_inside || around.contains(&number));
+                assert!(!is_inside || around.contains(&index));
             }
             let leaf = tree.leaf(point);
             let near = point + random.vector(0.01);

@@ -1,6 +1,6 @@
 //! Irradiance at what the camera sees, interpolated for many points at once.
 
-use super::linear::LinearIrradiance;
+use super::irradiance_gradient::LinearIrradiance;
 use super::lookup::{Interpolate, LANES};
 use super::octree::{Leaf, Octree};
 use super::records::IrradianceRecords;
@@ -10,9 +10,9 @@ use glam::Vec3;
 /// Mean incident radiance at surfaces that the camera sees with a certain number of bounces left.
 #[derive(Debug)]
 pub struct PrimaryIrradiance {
-    /// Where it is known.
+    /// The records.
     pub records: IrradianceRecords,
-    /// By record.
+    /// Indexed by record.
     pub values: Vec<LinearIrradiance>,
 }
 
@@ -27,15 +27,15 @@ impl PrimaryIrradiance {
         let mut values = vec![None; points.len()];
         let tree = self.records.tree();
         for group in groups(tree, points) {
-            let of_group = group.points.map(|number| points[number as usize]);
+            let of_group = group.points.map(|index| points[index as usize]);
             let found = kernel.run(Interpolate {
                 points: &of_group,
                 candidates: tree.boxes(group.leaf.node),
                 records: &self.records,
                 values: &self.values,
             });
-            for (&number, value) in group.points[..group.count].iter().zip(found) {
-                values[number as usize] = value;
+            for (&index, value) in group.points[..group.count].iter().zip(found) {
+                values[index as usize] = value;
             }
         }
         for (value, (position, normal)) in values.iter_mut().zip(points) {
@@ -49,7 +49,7 @@ impl PrimaryIrradiance {
     /// The value at a point that lies just outside all records, without gradients.
     fn extrapolate(&self, position: Vec3, normal: Vec3) -> Option<Vec3> {
         const SUPPORT_RADIUS: f32 = 2.0;
-        let value = |number: usize| self.values[number].mean_radiance;
+        let value = |index: usize| self.values[index].mean_radiance;
         self.records.mean(position, normal, SUPPORT_RADIUS, value)
     }
 
@@ -71,16 +71,16 @@ struct Group {
 /// Divides points into groups.
 fn groups(tree: &Octree, points: &[(Vec3, Vec3)]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
-    for (number, (position, _)) in (0..).zip(points) {
+    for (index, (position, _)) in (0..).zip(points) {
         let takes = |group: &&mut Group| group.count < LANES && group.leaf.contains(*position);
         if let Some(group) = groups.iter_mut().rev().find(takes) {
-            group.points[group.count] = number;
+            group.points[group.count] = index;
             group.count += 1;
         } else {
             groups.push(Group {
                 leaf: tree.leaf(*position),
                 count: 1,
-                points: [number; LANES],
+                points: [index; LANES],
             });
         }
     }

@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 const FLATNESS: f32 = 5.0;
 
 /// Extra weight of the squared height in the squared distance, which contains it once.
-pub(super) const HEIGHT: f32 = FLATNESS * FLATNESS - 1.0;
+pub(super) const HEIGHT_WEIGHT: f32 = FLATNESS * FLATNESS - 1.0;
 
-/// A point of a surface that stands for its surroundings.
+/// A cache record: where irradiance was gathered, and where that value may be used. The value is stored apart.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct IrradianceRecord {
     /// Position in metres, relative to the scene's origin.
@@ -83,7 +83,7 @@ impl IrradianceRecord {
     fn distance_squared(&self, position: Vec3, normal: Vec3, normal_weight: f32) -> f32 {
         let offset = position - self.position;
         let height = offset.dot(self.normal);
-        let squared = offset.length_squared() + HEIGHT * height * height;
+        let squared = offset.length_squared() + HEIGHT_WEIGHT * height * height;
         squared / (self.radius * self.radius) + (1.0 - normal.dot(self.normal)) * normal_weight
     }
 
@@ -110,7 +110,7 @@ impl IrradianceRecord {
     pub fn bounds(&self) -> Aabb {
         const ROUNDING: f32 = 1.0001;
         // Of a spheroid that is flat along the normal.
-        let flattened = 1.0 - HEIGHT / (FLATNESS * FLATNESS) * self.normal * self.normal;
+        let flattened = 1.0 - HEIGHT_WEIGHT / (FLATNESS * FLATNESS) * self.normal * self.normal;
         let extent = flattened.map(f32::sqrt) * self.radius * ROUNDING;
         Aabb {
             min: self.position - extent,

@@ -49,8 +49,8 @@ impl IrradianceRecords {
     }
 
     /// Limits the radius of a record to `radius`.
-    pub fn shrink(&mut self, number: usize, radius: f32) {
-        let record = &mut self.list[number];
+    pub fn shrink(&mut self, index: usize, radius: f32) {
+        let record = &mut self.list[index];
         record.radius = record.radius.min(radius);
     }
 
@@ -59,8 +59,8 @@ impl IrradianceRecords {
         let tight =
             IrradianceRecords::of(self.bounds, self.normal_weight, self.list.iter().cloned());
         let mut order: Vec<usize> = (0..self.list.len()).collect();
-        order.sort_by_cached_key(|&number| tight.tree.leaf(self[number].position).node);
-        let list = order.iter().map(|&number| self[number].clone());
+        order.sort_by_cached_key(|&index| tight.tree.leaf(self[index].position).node);
+        let list = order.iter().map(|&index| self[index].clone());
         (
             IrradianceRecords::of(self.bounds, self.normal_weight, list),
             order,
@@ -95,11 +95,11 @@ impl IrradianceRecords {
         support_radius: f32,
         mut visitor: impl FnMut(usize, f32),
     ) {
-        for &number in self.tree.around(position) {
-            let record = &self.list[number as usize];
+        for &index in self.tree.around(position) {
+            let record = &self.list[index as usize];
             let weight = record.weight(position, normal, self.normal_weight, support_radius);
             if weight > 0.0 {
-                visitor(number as usize, weight);
+                visitor(index as usize, weight);
             }
         }
     }
@@ -114,17 +114,17 @@ impl IrradianceRecords {
         value: impl Fn(usize) -> Vec3,
     ) -> Option<Vec3> {
         let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
-        self.visit(position, normal, support_radius, |number, weight| {
-            sum += weight * value(number);
+        self.visit(position, normal, support_radius, |index, weight| {
+            sum += weight * value(index);
             weights += weight;
         });
         (weights > 0.0).then(|| sum / weights)
     }
 
     /// Whether a point lies within `support_radius`, in units of a record's radius, of any record.
-    pub fn cover(&self, position: Vec3, normal: Vec3, support_radius: f32) -> bool {
-        self.tree.around(position).iter().any(|&number| {
-            let record = &self.list[number as usize];
+    pub fn covers(&self, position: Vec3, normal: Vec3, support_radius: f32) -> bool {
+        self.tree.around(position).iter().any(|&index| {
+            let record = &self.list[index as usize];
             record.weight(position, normal, self.normal_weight, support_radius) > 0.0
         })
     }
@@ -139,8 +139,8 @@ impl IrradianceRecords {
 impl Index<usize> for IrradianceRecords {
     type Output = IrradianceRecord;
 
-    fn index(&self, number: usize) -> &IrradianceRecord {
-        &self.list[number]
+    fn index(&self, index: usize) -> &IrradianceRecord {
+        &self.list[index]
     }
 }
 

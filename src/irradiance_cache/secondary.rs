@@ -8,9 +8,9 @@ use glam::Vec3;
 /// Mean incident radiance at surfaces that gathered rays hit.
 #[derive(Debug)]
 pub struct SecondaryIrradiance {
-    /// Where it is known.
+    /// The records.
     pub records: IrradianceRecords,
-    /// E / π in W/(sr m²): by the number of bounces left, less 1, and by record.
+    /// E / π in W/(sr m²), indexed by the number of bounces left, less 1, and by record.
     pub values: Vec<Vec<Vec3>>,
     /// Hits closer than this to the origin of their ray, in metres, are not looked up: they are too close for
     /// records of this size.
@@ -33,7 +33,7 @@ impl SecondaryIrradiance {
             return None;
         }
         self.records
-            .mean(position, normal, 1.0, |number| values[number])
+            .mean(position, normal, 1.0, |index| values[index])
     }
 
     /// Memory in bytes.

@@ -1,4 +1,4 @@
-//! The irradiance cache of a job: where it is kept, and what is there already.
+//! The irradiance cache of a job: its location, and what is there already.
 
 use super::error::JobError;
 use super::identity::{BUILD, CacheIdentity, cache_hash};
@@ -8,9 +8,9 @@ use crate::bake::{BakeState, Baked, CacheFile, Listener, bake};
 use crate::render::RenderSettings;
 use std::path::{Path, PathBuf};
 
-/// Where an irradiance cache is kept.
+/// The location of an irradiance cache.
 #[derive(Debug)]
-pub enum CacheStore {
+pub enum CacheLocation {
     /// In a file that jobs share: what it holds for other paths stays.
     Shared(PathBuf),
     /// In a file of this path alone: what it holds for others does not count, so that the cache is that of a first run.
@@ -21,7 +21,7 @@ pub enum CacheStore {
 
 /// An irradiance cache, as far as a file holds it already.
 #[derive(Debug)]
-pub struct CacheSource {
+pub struct OpenedCache {
     file: Option<CacheFile>,
     found: Option<BakeState>,
     /// Names the path in the cache.
@@ -30,35 +30,35 @@ pub struct CacheSource {
     build: String,
 }
 
-impl CacheSource {
-    /// Reads what is kept for frames of these settings. With `rebake` in the options, a shared file that is damaged or of
-    /// something else counts as none.
+impl OpenedCache {
+    /// Reads what is there for frames of these settings. With `rebake` in the options, a shared file that is damaged or
+    /// of something else counts as none.
     pub fn open(
-        store: CacheStore,
+        location: CacheLocation,
         inputs: &Inputs,
         settings: &RenderSettings,
         options: &JobOptions,
-    ) -> Result<CacheSource, JobError> {
+    ) -> Result<OpenedCache, JobError> {
         let path_hash = inputs.path_hash.to_string();
         let of_build =
             |file: &Path, build: &str| CacheFile::new(file, cache_hash(inputs, settings, build));
-        let source = |file: Option<CacheFile>, found: Option<BakeState>, build: &str| CacheSource {
+        let opened = |file: Option<CacheFile>, found: Option<BakeState>, build: &str| OpenedCache {
             file,
             found,
             path_hash: path_hash.clone(),
             build: build.to_owned(),
         };
-        let (file, is_own) = match &store {
-            CacheStore::Shared(file) => (file, false),
-            CacheStore::Own(file) => (file, true),
-            CacheStore::Memory => return Ok(source(None, None, BUILD)),
+        let (file, is_own) = match &location {
+            CacheLocation::Shared(file) => (file, false),
+            CacheLocation::Own(file) => (file, true),
+            CacheLocation::Memory => return Ok(opened(None, None, BUILD)),
         };
         for build in &options.accepted_builds {
             let cache = of_build(file, build);
             if let Ok(Some(found)) = cache.read(false)
-                && (!is_own || found.paths() == [path_hash.as_str()])
+                && (!is_own || found.camera_paths() == [path_hash.as_str()])
             {
-                return Ok(source(Some(cache), Some(found), build));
+                return Ok(opened(Some(cache), Some(found), build));
             }
         }
         let cache = of_build(file, BUILD);
@@ -66,18 +66,18 @@ impl CacheSource {
             // What is of no use is written over.
             true => {
                 let found = cache.read(true).ok().flatten();
-                found.filter(|found| found.paths() == [path_hash.as_str()])
+                found.filter(|found| found.camera_paths() == [path_hash.as_str()])
             }
             false => cache.read(options.rebake)?,
         };
-        Ok(source(Some(cache), found, BUILD))
+        Ok(opened(Some(cache), found, BUILD))
     }
 
-    /// What the cache will be made from beside scene and settings: the paths that it will be baked for, by their hashes and
-    /// in order, and the build that began it, if it is another one.
+    /// What the cache will be made from beside scene and settings: the paths that it will be baked for, by their hashes
+    /// and in order, and the build that began it, if it is another one.
     pub fn identity(&self) -> CacheIdentity {
         let found = self.found.as_ref();
-        let mut paths = found.map_or(Vec::new(), |found| found.paths().to_vec());
+        let mut paths = found.map_or(Vec::new(), |found| found.camera_paths().to_vec());
         if !paths.contains(&self.path_hash) {
             paths.push(self.path_hash.clone());
         }
@@ -96,7 +96,7 @@ impl CacheSource {
         })
     }
 
-    /// Bakes what is missing, and keeps it.
+    /// Bakes what is missing, and writes the file.
     pub fn bake(
         self,
         inputs: &Inputs,
@@ -138,8 +138,8 @@ mod tests {
                 accepted_builds: accepted.iter().map(|build| (*build).to_owned()).collect(),
                 ..JobOptions::default()
             };
-            CacheSource::open(
-                CacheStore::Shared(file.clone()),
+            OpenedCache::open(
+                CacheLocation::Shared(file.clone()),
                 &inputs,
                 &settings,
                 &options,

@@ -25,7 +25,7 @@ pub enum JobError {
     /// The folder of the frames cannot be used.
     #[error(transparent)]
     Folder(#[from] FolderError),
-    /// `sequence.ron` does not say by which job its frames were asked for.
+    /// The job spec in `sequence.ron` cannot be read.
     #[error(
         "{folder}/sequence.ron: job: {message}: render the sequence again; verified frames are kept",
         folder = .folder.display()
@@ -46,8 +46,10 @@ pub enum JobError {
         advice: &'static str,
     },
     /// A budget and a target error both decide on samples.
-    #[error("--budget: the target error of the scene or the path decides on samples")]
-    BudgetBesideTarget,
+    #[error(
+        "--budget: cannot be combined with target_error, which the scene or the camera path sets"
+    )]
+    BudgetWithTargetError,
     /// A budget is too small.
     #[error("--budget: one sample of each pixel takes longer than {seconds} s")]
     BudgetTooSmall {

@@ -1,5 +1,5 @@
-//! What frames and caches are made from, as hashes of canonical data: JSON with sorted keys and numbers that read back as
-//! the same, in which what has its default is left out. So a new setting leaves hashes as they were.
+//! What frames and caches are made from, as hashes of canonical data: JSON with sorted keys and numbers that read back
+//! as the same, in which what has its default is left out. So a new setting leaves hashes as they were.
 
 use super::inputs::Inputs;
 use crate::camera::Camera;

@@ -56,7 +56,7 @@ impl Inputs {
     }
 }
 
-/// So many threads; none given are as many as the process may use.
+/// A pool of `threads`; by default as many as the process may use.
 pub fn pool(threads: Option<NonZeroUsize>) -> Result<ThreadPool, JobError> {
     let threads = match threads {
         Some(threads) => threads,

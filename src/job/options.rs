@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 /// How a job is done: what decides no pixel.
 #[derive(Clone, Debug, Default)]
 pub struct JobOptions {
-    /// Threads; none given are as many as the process may use.
+    /// Threads; by default as many as the process may use.
     pub threads: Option<NonZeroUsize>,
     /// Whether a shared irradiance cache that cannot be used is baked anew.
     pub rebake: bool,

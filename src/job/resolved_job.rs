@@ -1,6 +1,6 @@
 //! A job resolved: inputs loaded, settings complete, and what its frames are made from known.
 
-use super::cache::{CacheSource, CacheStore};
+use super::cache::{CacheLocation, OpenedCache};
 use super::error::JobError;
 use super::identity::{BUILD, CacheIdentity, SequenceInputs};
 use super::inputs::Inputs;
@@ -23,9 +23,9 @@ pub struct Job {
     exposure: f32,
     accepted_builds: Vec<String>,
     /// The irradiance cache until it is baked; none if nothing is looked up.
-    source: Option<CacheSource>,
+    opened_cache: Option<OpenedCache>,
     /// What the cache is made from.
-    cache: Option<CacheIdentity>,
+    cache_identity: Option<CacheIdentity>,
     baked: Option<Baked>,
 }
 
@@ -59,28 +59,28 @@ impl Job {
         let given = adjust(inputs.settings(spec.settings.clone()));
         given.check_together()?;
         let settings = given.resolve(inputs.frame_count());
-        let source = cache_source(&spec, folder, &inputs, &settings, options)?;
+        let opened_cache = open_cache(&spec, folder, &inputs, &settings, options)?;
         if spec.error_maps && !settings.has_noise() {
-            let advice = match source {
+            let advice = match opened_cache {
                 Some(_) => "take more camera samples, or --gi path-traced",
                 None => "choose a montecarlo mode",
             };
             return Err(JobError::NoNoise { advice });
         }
         Ok(Job {
-            cache: source.as_ref().map(CacheSource::identity),
+            cache_identity: opened_cache.as_ref().map(OpenedCache::identity),
             exposure: given.exposure.unwrap_or(0.0),
             accepted_builds: options.accepted_builds.clone(),
             baked: None,
             spec,
             inputs,
             settings,
-            source,
+            opened_cache,
         })
     }
 
-    /// The job by which the frames of a folder were asked for, with its inputs as they are now. `scene` and `path` say
-    /// where these are, if they are no longer where they were.
+    /// The job of a folder's frames, with its inputs as they are now. `scene` and `path` say where these are, if they
+    /// are no longer where they were.
     pub fn of_folder(
         folder: &FrameFolder,
         scene: Option<PathBuf>,
@@ -111,13 +111,13 @@ impl Job {
         self.inputs.frame_count()
     }
 
-    /// Gives each pixel so many camera samples, now and when the job is read from its folder.
-    pub fn take_samples(&mut self, samples: u32) {
+    /// Sets the camera samples of each pixel, in the settings and in the spec.
+    pub fn set_samples(&mut self, samples: u32) {
         self.settings.sampling = PixelSampling::Spread(samples);
         self.spec.settings.samples = Some(samples);
     }
 
-    /// Gives each pixel these camera samples, where they were not chosen for good.
+    /// Sets the sampling of each pixel, and drops the choice from the spec.
     pub(super) fn set_sampling(&mut self, sampling: PixelSampling) {
         self.settings.sampling = sampling;
         self.spec.settings.samples = None;
@@ -125,11 +125,11 @@ impl Job {
 
     /// Bakes the irradiance cache if frames need one and it is not there yet. Returns what came of it, once.
     pub fn bake(&mut self, listener: Listener) -> Result<Option<BakeOutcome<'_>>, JobError> {
-        let Some(source) = self.source.take() else {
+        let Some(opened) = self.opened_cache.take() else {
             return Ok(None);
         };
-        let was_complete = source.is_complete(&self.settings);
-        let baked = source.bake(&self.inputs, &self.settings, listener)?;
+        let was_complete = opened.is_complete(&self.settings);
+        let baked = opened.bake(&self.inputs, &self.settings, listener)?;
         let baked = self.baked.insert(baked);
         Ok(Some(BakeOutcome {
             baked,
@@ -137,7 +137,7 @@ impl Job {
         }))
     }
 
-    /// What its frames are to be, for the folder that keeps them.
+    /// The record of the expected frames, for the folder that stores them.
     pub fn sequence(&self, folder: &Path) -> Result<SequenceRecord, JobError> {
         let timeline = self.inputs.path.path.timeline();
         let all = SequenceInputs {
@@ -145,7 +145,7 @@ impl Job {
             settings: &self.settings,
             exposure: self.exposure,
             format: self.spec.format,
-            cache: self.cache.as_ref(),
+            cache: self.cache_identity.as_ref(),
         };
         Ok(SequenceRecord {
             build: BUILD.to_owned(),
@@ -158,7 +158,7 @@ impl Job {
             format: self.spec.format,
             exposure: self.exposure,
             error_maps: self.spec.error_maps,
-            irradiance_cache: self.cache.is_some(),
+            irradiance_cache: self.cache_identity.is_some(),
             input_hashes: all.hashes(),
         })
     }
@@ -198,7 +198,7 @@ impl Job {
     }
 }
 
-/// An irradiance cache that frames can use now.
+/// An irradiance cache, ready for frames.
 #[derive(Debug)]
 pub struct BakeOutcome<'a> {
     /// The cache and its errors.
@@ -224,24 +224,24 @@ pub fn open_folder(folder: &Path, accepted_builds: &[String]) -> Result<FrameFol
     }
 }
 
-/// Where the irradiance cache is kept that frames need; none if they look nothing up.
-fn cache_source(
+/// Opens the irradiance cache that frames need; none if they look nothing up.
+fn open_cache(
     spec: &Spec,
     folder: Option<&Path>,
     inputs: &Inputs,
     settings: &RenderSettings,
     options: &JobOptions,
-) -> Result<Option<CacheSource>, JobError> {
+) -> Result<Option<OpenedCache>, JobError> {
     if !matches!(settings.integrator, IntegratorSettings::Cached { .. }) {
         return match spec.irradiance_cache {
             Some(_) => Err(JobError::UnusedCache),
             None => Ok(None),
         };
     }
-    let store = match (&spec.irradiance_cache, folder) {
-        (Some(file), _) => CacheStore::Shared(file.clone()),
-        (None, Some(folder)) => CacheStore::Own(folder.join("irradiance.cache")),
-        (None, None) => CacheStore::Memory,
+    let location = match (&spec.irradiance_cache, folder) {
+        (Some(file), _) => CacheLocation::Shared(file.clone()),
+        (None, Some(folder)) => CacheLocation::Own(folder.join("irradiance.cache")),
+        (None, None) => CacheLocation::Memory,
     };
-    CacheSource::open(store, inputs, settings, options).map(Some)
+    OpenedCache::open(location, inputs, settings, options).map(Some)
 }

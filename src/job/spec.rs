@@ -1,4 +1,4 @@
-//! A job as data: what was asked for, before anything is loaded. `sequence.ron` keeps it beside the frames.
+//! The spec of a job: the job as data, before anything is loaded. `sequence.ron` holds it beside the frames.
 //!
 //! ```ron
 //! Job(scene: "../gallery.ron", path: "../walk.ron", settings: (mode: "montecarlo", size: (640, 360)))
@@ -14,7 +14,7 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
-/// What decides the frames of a sequence, as it was asked for: files by name, settings as far as they are given.
+/// What decides the frames of a sequence: files by name, settings as far as they are given.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Job", deny_unknown_fields)]
 pub struct Spec {
@@ -28,7 +28,7 @@ pub struct Spec {
     /// File format of the frames.
     #[serde(default, skip_serializing_if = "is_default")]
     pub format: FrameFormat,
-    /// Whether the error of every pixel is kept beside the frames.
+    /// Whether the error of every pixel is stored beside the frames.
     #[serde(default, skip_serializing_if = "is_default")]
     pub error_maps: bool,
     /// An irradiance cache that other jobs may share; none for one of the folder's own.
@@ -62,7 +62,7 @@ impl Spec {
         }
     }
 
-    /// The job that the frames of a folder were asked for by, its files named from the current folder.
+    /// The job spec of a folder's frames, its files named from the current folder.
     pub fn of_folder(folder: &FrameFolder) -> Result<Spec, JobError> {
         let text = folder.sequence().job.get_ron();
         let spec: Spec = options()
@@ -74,7 +74,7 @@ impl Spec {
         spec.map_files(|file| Ok(folder.path().join(file)))
     }
 
-    /// The job as a folder keeps it: files are named from the folder, so that all may be moved together.
+    /// The job as `sequence.ron` holds it: files are named from the folder, so that all may be moved together.
     ///
     /// What of a name is not UTF-8 is replaced: the file has to be named again then, where it is loaded.
     pub fn for_folder(&self, folder: &Path) -> io::Result<Box<RawValue>> {
@@ -143,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_what_was_asked_for() {
+    fn the_stored_spec_is_the_original() {
         let root = tempfile::tempdir().expect("a folder");
         let file = |name: &str| root.path().join(name);
         for name in ["s.ron", "p.ron"] {
@@ -168,17 +168,17 @@ mod tests {
             preview: true,
             ..plain.clone()
         };
-        for asked in [plain, full] {
-            let kept = asked.for_folder(&file("frames/deep")).expect("kept");
-            assert!(!kept.get_ron().contains(&*root.path().to_string_lossy()));
-            let read: Spec = options().from_str(kept.get_ron()).expect("as written");
+        for spec in [plain, full] {
+            let stored = spec.for_folder(&file("frames/deep")).expect("stored");
+            assert!(!stored.get_ron().contains(&*root.path().to_string_lossy()));
+            let read: Spec = options().from_str(stored.get_ron()).expect("as written");
             assert_eq!(read.scene, Path::new("../../s.ron"));
             let folder = fs::canonicalize(root.path())
                 .expect("there")
                 .join("frames/deep");
             let back = read.map_files(|file| io::Result::Ok(lexical(&folder.join(file))));
-            let asked = asked.map_files(absolute);
-            assert_eq!(back.expect("there"), asked.expect("there"));
+            let spec = spec.map_files(absolute);
+            assert_eq!(back.expect("there"), spec.expect("there"));
         }
     }
 

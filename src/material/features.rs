@@ -13,20 +13,23 @@ pub trait Features {
     const MIXTURES: bool;
 }
 
-/// A set of features, by its [`FeatureSet::number`].
+/// A set of features, by the bits of its [`FeatureSet::index`].
 #[derive(Debug)]
-pub struct Only<const NUMBER: usize>;
+pub struct FeatureMask<const BITS: usize>;
 
-impl<const NUMBER: usize> Features for Only<NUMBER> {
-    const TEXTURES: bool = NUMBER & 1 != 0;
-    const HIGHLIGHTS: bool = NUMBER & 2 != 0;
-    const MIRRORS: bool = NUMBER & 4 != 0;
-    const MIXTURES: bool = NUMBER & 8 != 0;
+impl<const BITS: usize> Features for FeatureMask<BITS> {
+    const TEXTURES: bool = BITS & 1 != 0;
+    const HIGHLIGHTS: bool = BITS & 2 != 0;
+    const MIRRORS: bool = BITS & 4 != 0;
+    const MIXTURES: bool = BITS & 8 != 0;
 }
 
 // As FeatureSet numbers them.
-const _: () = assert!(Only::<1>::TEXTURES && Only::<2>::HIGHLIGHTS && !Only::<13>::HIGHLIGHTS);
-const _: () = assert!(Only::<4>::MIRRORS && Only::<8>::MIXTURES && !Only::<11>::MIRRORS);
+const _: () = assert!(
+    FeatureMask::<1>::TEXTURES && FeatureMask::<2>::HIGHLIGHTS && !FeatureMask::<13>::HIGHLIGHTS
+);
+const _: () =
+    assert!(FeatureMask::<4>::MIRRORS && FeatureMask::<8>::MIXTURES && !FeatureMask::<11>::MIRRORS);
 
 /// The features that a scene uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,8 +46,8 @@ impl FeatureSet {
         FeatureSet(bits.sum())
     }
 
-    /// The number of the set, below [`FeatureSet::COUNT`].
-    pub fn number(self) -> usize {
+    /// The index of the set, below [`FeatureSet::COUNT`].
+    pub fn index(self) -> usize {
         self.0
     }
 }

@@ -5,12 +5,12 @@ use glam::{DVec3, Vec3};
 /// The number that no primitive has.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
 
-/// A ray in world space: the points `origin + t * direction` for `0 < t < t_max`.
+/// A ray in scene space (see `scene`): the points `origin + t * direction` for `0 < t < t_max`.
 ///
 /// The direction need not be of unit length; t counts lengths of the direction.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// The start.
+    /// The start, in metres.
     pub origin: Vec3,
     /// Finite and not zero.
     pub direction: Vec3,

@@ -1,11 +1,11 @@
-//! Bias of a technique, from independent pictures of it and independent estimates by an unbiased oracle.
+//! Bias of a technique, from independent images of it and independent estimates by an unbiased oracle.
 
 use super::pixel::{channel_mean, mean_of_two};
 use super::{Estimate, RADIANCE_FLOOR, mean, student_t};
 use glam::{DVec3, Vec3};
 
-/// The significance level, two-sided, of each of the two estimates of a [`BiasCheck`]: 3.29 standard errors with many pixels,
-/// more with few.
+/// The significance level, two-sided, of each of the two estimates of a [`BiasCheck`]: 3.29 standard errors with many
+/// pixels, more with few.
 const SIGNIFICANCE: f64 = 0.001;
 
 /// The relative rounding error of means of single precision numbers: what is less is no bias.
@@ -22,13 +22,13 @@ pub struct HeldOutPixel {
     pub oracle: [Vec3; 2],
 }
 
-/// The bias of a technique: how far the mean of its pictures is from the true image, in units of display white.
+/// The bias of a technique: how far the mean of its images is from the true image, in units of display white.
 ///
 /// Standard errors are those over pixels, which should be so far apart that their noise is independent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BiasCheck {
-    /// The mean over pixels and channels of (mean(c) - I)^2 / (r^2 + 0.01), where c are the technique's values and I the
-    /// true ones: the part of relMSE that averaging pictures does not remove. Noise may make the estimate negative.
+    /// The mean over pixels and channels of (mean(c) - I)^2 / (r^2 + 0.01), where c are the technique's values and I
+    /// the true ones: the part of relMSE that averaging images does not remove. Noise may make the estimate negative.
     ///
     /// It is estimated by (c1 - A)(c2 - B), the noise of whose factors is independent.
     pub squared_bias: Estimate,
@@ -64,9 +64,9 @@ impl BiasCheck {
 
     /// Whether the squared bias, or the mean bias to either side, is significant. Never with fewer than two pixels.
     ///
-    /// False positives are one in 500 checks or fewer if the noise of pixels is symmetric. Many dark pixels and a few bright
-    /// ones skew the mean bias: with log-normal noise of sigma 1.5 it is one in 60 checks of 100 pixels, in 230 of 1000
-    /// and in 400 of 3000.
+    /// False positives are one in 500 checks or fewer if the noise of pixels is symmetric. Many dark pixels and a few
+    /// bright ones skew the mean bias: with log-normal noise of sigma 1.5 it is one in 60 checks of 100 pixels, in 230
+    /// of 1000 and in 400 of 3000.
     pub fn is_biased(&self) -> bool {
         if self.pixels < 2 {
             return false;
@@ -102,17 +102,17 @@ impl Values {
 
     /// (c1 - A)(c2 - B) / (r^2 + 0.01), where r is the mean of c1 and A, or of c2 and B: the mean of both quotients.
     ///
-    /// Were r the mean of A and B, the divisor would depend on both factors, and their noise would pass for bias. As it is,
-    /// one factor is independent of it, whose expectation is 0 without bias, however large the noise.
+    /// Were r the mean of A and B, the normaliser would depend on both factors, and their noise would pass for bias. As
+    /// it is, one factor is independent of it, whose expectation is 0 without bias, however large the noise.
     fn squared_bias(&self) -> DVec3 {
         let [(c1, a), (c2, b)] = [0, 1].map(|i| (self.technique[i], self.oracle[i]));
-        let inverse = |c: DVec3, r: DVec3| divisor(mean_of_two([c, r])).recip();
+        let inverse = |c: DVec3, r: DVec3| normaliser(mean_of_two([c, r])).recip();
         (c1 - a) * (c2 - b) * mean_of_two([inverse(c1, a), inverse(c2, b)])
     }
 }
 
 /// What squared errors of a pixel of radiance r are divided by: single pixels have no local mean.
-fn divisor(r: DVec3) -> DVec3 {
+fn normaliser(r: DVec3) -> DVec3 {
     r * r + f64::from(RADIANCE_FLOOR).powi(2)
 }
 
@@ -169,7 +169,7 @@ mod tests {
         let products = pixels.iter().map(|pixel| {
             let values = Values::of(pixel, 1.0);
             let error = squared_error(values.technique[0], values.oracle);
-            channel_mean(error / divisor(mean_of_two(values.oracle)))
+            channel_mean(error / normaliser(mean_of_two(values.oracle)))
         });
         let divided_by_mean = Estimate::of(&products.collect::<Vec<f64>>());
         assert!(divided_by_mean.mean < -20.0 * divided_by_mean.error);

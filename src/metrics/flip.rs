@@ -1,4 +1,4 @@
-//! LDR-FLIP: how different two displayed pictures look to somebody who alternates between them.
+//! LDR-FLIP: how different two displayed images look to somebody who alternates between them.
 //!
 //! Andersson et al. 2020, "FLIP: A Difference Evaluator for Alternating Images". Colours are compared after the
 //! filters of the eye's contrast sensitivity, and differences count for more where edges or points differ, too.
@@ -35,18 +35,18 @@ const FEATURE_WIDTH: f64 = 0.082;
 /// The exponent of feature differences.
 const FEATURE_EXPONENT: f64 = 0.5;
 
-/// The mean FLIP of two displayed pictures over all pixels, as the authors recommend: 0 if nothing is seen, 1 for
+/// The mean FLIP of two displayed images over all pixels, as the authors recommend: 0 if nothing is seen, 1 for
 /// the largest difference.
 ///
-/// The pictures are of the same size, columns and rows, and are sRGB codes as
+/// The images are of the same size, columns and rows, and are sRGB codes as
 /// [`Film::to_srgb8`](crate::film::Film::to_srgb8) gives them. They are seen at 67 pixels for each degree.
 ///
 /// # Panics
 ///
-/// If a picture has fewer or more pixels than its size says.
-pub fn flip([width, height]: [u32; 2], reference: &[u8], picture: &[u8]) -> f64 {
+/// If an image has fewer or more pixels than its size says.
+pub fn flip([width, height]: [u32; 2], reference: &[u8], image: &[u8]) -> f64 {
     let [width, height] = [width, height].map(|size| size as usize);
-    let both = [reference, picture].map(|codes| {
+    let both = [reference, image].map(|codes| {
         assert_eq!(codes.len(), 3 * width * height, "pixels of another size");
         OpponentColors::of(codes, width)
     });
@@ -62,7 +62,7 @@ pub fn flip([width, height]: [u32; 2], reference: &[u8], picture: &[u8]) -> f64 
     mean(&(0..width * height).map(error).collect::<Vec<f64>>())
 }
 
-/// A picture in the linear opponent colour space YCxCz, in which the filters are applied.
+/// An image in the linear opponent colour space YCxCz, in which the filters are applied.
 struct OpponentColors {
     /// Luminance, red-green and blue-yellow.
     channels: [Plane; 3],
@@ -289,15 +289,15 @@ mod tests {
 
     const SIZE: [u32; 2] = [40, 30];
 
-    /// A picture of 40 x 30 pixels, by column and row.
-    fn picture(mut color: impl FnMut(i32, i32) -> [u8; 3]) -> Vec<u8> {
+    /// An image of 40 x 30 pixels, by column and row.
+    fn image(mut color: impl FnMut(i32, i32) -> [u8; 3]) -> Vec<u8> {
         let pixels = (0..30).flat_map(|y| (0..40).map(move |x| (x, y)));
         pixels.flat_map(|(x, y)| color(x, y)).collect()
     }
 
     /// A slope of greys, with its middle brighter by some codes.
     fn slope(more: u8) -> Vec<u8> {
-        picture(|x, y| {
+        image(|x, y| {
             let is_middle = (10..30).contains(&x) && (10..20).contains(&y);
             [(4 * x + y) as u8 + if is_middle { more } else { 0 }; 3]
         })
@@ -305,30 +305,30 @@ mod tests {
 
     /// Squares of 8 pixels, some pixels to the right.
     fn checker(shift: i32, colors: [[u8; 3]; 2]) -> Vec<u8> {
-        picture(|x, y| colors[((x - shift).div_euclid(8) + y / 8).rem_euclid(2) as usize])
+        image(|x, y| colors[((x - shift).div_euclid(8) + y / 8).rem_euclid(2) as usize])
     }
 
     /// Each code off by up to some codes.
-    fn noisy(mut picture: Vec<u8>, codes: u8) -> Vec<u8> {
+    fn noisy(mut image: Vec<u8>, codes: u8) -> Vec<u8> {
         let mut random = Random::new(1);
-        for code in &mut picture {
+        for code in &mut image {
             let offset = random.below(2 * usize::from(codes) + 1) as u8;
             *code = code.saturating_add(offset).saturating_sub(codes);
         }
-        picture
+        image
     }
 
     fn hues() -> Vec<u8> {
-        picture(|x, y| [(6 * x) as u8, (8 * y) as u8, (234 - 6 * x) as u8])
+        image(|x, y| [(6 * x) as u8, (8 * y) as u8, (234 - 6 * x) as u8])
     }
 
-    fn swapped(mut picture: Vec<u8>) -> Vec<u8> {
-        picture.chunks_exact_mut(3).for_each(|rgb| rgb.swap(0, 2));
-        picture
+    fn swapped(mut image: Vec<u8>) -> Vec<u8> {
+        image.chunks_exact_mut(3).for_each(|rgb| rgb.swap(0, 2));
+        image
     }
 
     fn line(width: i32) -> Vec<u8> {
-        picture(|x, _| {
+        image(|x, _| {
             if (20..20 + width).contains(&x) {
                 [255; 3]
             } else {
@@ -338,12 +338,12 @@ mod tests {
     }
 
     /// The means that NVIDIA's C++ code (version 1.2, through the crate nv-flip 0.1.2, at its 67.0206 pixels per
-    /// degree) gives for pairs of a reference and a picture.
+    /// degree) gives for pairs of a reference and an image.
     #[test]
     fn the_authors_code_gives_the_same() {
         let grey = [[60; 3], [190; 3]];
         let colored = [[200, 40, 40], [40, 60, 220]];
-        for (number, ([reference, picture], expected)) in [
+        for (number, ([reference, image], expected)) in [
             ([slope(0), slope(1)], 0.006_355),
             ([slope(0), slope(16)], 0.050_273),
             ([slope(0), slope(64)], 0.142_333),
@@ -359,7 +359,7 @@ mod tests {
         .into_iter()
         .enumerate()
         {
-            let flip = flip(SIZE, &reference, &picture);
+            let flip = flip(SIZE, &reference, &image);
             assert!(
                 (flip - expected).abs() < 1e-4,
                 "{number}: {flip} {expected}"
@@ -388,7 +388,7 @@ mod tests {
         assert!((of(0, 100) - of(25, 75)).abs() < 1e-12);
     }
 
-    /// Green and blue are as far apart as colours are, and an even picture has nothing but colour.
+    /// Green and blue are as far apart as colours are, and an even image has nothing but colour.
     #[test]
     fn the_largest_difference_is_one() {
         let even = |code: [u8; 3]| code.repeat(1200);

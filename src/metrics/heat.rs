@@ -29,7 +29,7 @@ const MAGMA: [[u8; 3]; 17] = [
 
 /// Paints errors, one for each pixel: R, G, B by pixel, in 8-bit sRGB.
 ///
-/// The scale is logarithmic over 1 % to 100 %, the same for every picture so that two may be compared:
+/// The scale is logarithmic over 1 % to 100 %, the same for every image so that two may be compared:
 /// black is 1 % or less, red-violet 10 %, pale yellow 100 % or more, and so is what is no number. The steps of the
 /// colours look alike, and their lightness alone tells the order.
 pub fn heat_map(errors: &[f32]) -> Vec<u8> {

@@ -3,20 +3,20 @@
 use glam::Vec3;
 use std::ops::{AddAssign, Div};
 
-/// The least radiance that errors are relative to, as a fraction of display white: otherwise a few pixels that are nearly
-/// black would outweigh all others.
+/// The least radiance that errors are relative to, as a fraction of display white: otherwise a few pixels that are
+/// nearly black would outweigh all others.
 pub const RADIANCE_FLOOR: f32 = 0.1;
 
-/// The mean of the up to eight neighbours of a value, the value itself left out, at a distance of `reach` in rows of
+/// The mean of the up to eight neighbours of a value, the value itself left out, at a distance of `spacing` in rows of
 /// `width`; none if it has no neighbours.
-pub fn local_mean<T>(values: &[T], width: usize, number: usize, reach: usize) -> Option<T>
+pub fn local_mean<T>(values: &[T], width: usize, index: usize, spacing: usize) -> Option<T>
 where
     T: Copy + Default + AddAssign + Div<f32, Output = T>,
 {
-    let (x, y) = (number % width, number / width);
+    let (x, y) = (index % width, index / width);
     let height = values.len() / width;
     let near = |at: usize, size: usize| {
-        let offsets = [at.checked_sub(reach), Some(at), Some(at + reach)];
+        let offsets = [at.checked_sub(spacing), Some(at), Some(at + spacing)];
         offsets.into_iter().flatten().filter(move |c| *c < size)
     };
     let mut sum = T::default();
@@ -30,11 +30,18 @@ where
     (count > 0).then(|| sum / count as f32)
 }
 
-/// What squared errors at a pixel are divided by: m^2 + (white / 10)^2, where m is the [`local_mean`]. Where radiance is even,
-/// m^2 is the usual r^2; but its noise is independent of the pixel's, so that the quotient is not biased.
-pub fn normaliser(pixels: &[Vec3], width: usize, number: usize, reach: usize, white: f32) -> Vec3 {
-    let mean = local_mean(pixels, width, number, reach).unwrap_or(pixels[number]);
-    mean * mean + (RADIANCE_FLOOR * white).powi(2)
+/// What squared errors at a pixel are divided by: m^2 + (display white / 10)^2, where m is the [`local_mean`]. Where
+/// radiance is even, m^2 is the usual r^2; but its noise is independent of the pixel's, so that the quotient is not
+/// biased.
+pub fn normaliser(
+    pixels: &[Vec3],
+    width: usize,
+    index: usize,
+    spacing: usize,
+    display_white: f32,
+) -> Vec3 {
+    let mean = local_mean(pixels, width, index, spacing).unwrap_or(pixels[index]);
+    mean * mean + (RADIANCE_FLOOR * display_white).powi(2)
 }
 
 #[cfg(test)]

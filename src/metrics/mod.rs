@@ -1,15 +1,15 @@
-//! The error of pictures against references of known noise.
+//! The error of images against references of known noise.
 //!
-//! Pictures are [`Film`](crate::film::Film)s of linear radiance, multiplied by the exposure: all errors are in units of
+//! Images are [`Film`](crate::film::Film)s of linear radiance, multiplied by the exposure: all errors are in units of
 //! display white. Relative errors are divided by sqrt(m^2 + 0.01), where m is the local mean of the radiance: see
 //! [`normaliser`]. Estimates of squared errors multiply two independent half buffers, so that noise does not bias them.
 //!
 //! Knows nothing of files, threads or scenes.
 
 mod bias;
-mod difference;
 mod flip;
 mod heat;
+mod image_error;
 mod local_mean;
 mod pixel;
 mod reference;
@@ -18,9 +18,9 @@ mod statistics;
 pub(crate) mod synthetic;
 
 pub use bias::{BiasCheck, HeldOutPixel};
-pub use difference::{Difference, relative_errors};
 pub use flip::flip;
 pub use heat::heat_map;
+pub use image_error::{ImageError, relative_errors};
 pub use local_mean::{RADIANCE_FLOOR, local_mean, normaliser};
 pub use reference::Reference;
 pub use statistics::{Estimate, invert_decreasing, mean, student_t};

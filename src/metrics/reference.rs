@@ -1,4 +1,4 @@
-//! References: two independent half buffers of the same picture.
+//! References: two independent half buffers of the same image.
 
 use super::mean;
 use super::normaliser;
@@ -6,7 +6,7 @@ use super::pixel::{channel_mean, mean_of_two};
 use crate::film::Film;
 use glam::DVec3;
 
-/// Two independent half buffers, A and B, of one picture, and their mean.
+/// Two independent half buffers, A and B, of one image, and their mean.
 ///
 /// Each is unbiased, with noise of its own. From both together the noise of the reference can be estimated, and errors
 /// against it without that noise.
@@ -18,7 +18,7 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// A reference of two unbiased pictures with different seeds.
+    /// A reference of two unbiased images with different seeds.
     ///
     /// # Panics
     ///
@@ -35,7 +35,7 @@ impl Reference {
 
     /// The estimated relMSE of the mean, at an exposure in stops: the mean over pixels and channels of
     /// ((A - B) / 2)^2 / (m^2 + 0.01), the expectation of whose numerator is the variance of the mean.
-    pub fn relative_square_error(&self, exposure: f32) -> f64 {
+    pub fn rel_mse(&self, exposure: f32) -> f64 {
         let squares = self.exposed(exposure).into_iter().map(|pixel| {
             let half = 0.5 * (pixel.half_buffers[0] - pixel.half_buffers[1]);
             channel_mean(half * half / pixel.normaliser)
@@ -63,9 +63,9 @@ impl Reference {
     pub(super) fn exposed(&self, exposure: f32) -> Vec<ReferencePixel> {
         let [a, b, mean] = [&self.a, &self.b, &self.mean].map(|film| exposed(film, exposure));
         let width = mean.width() as usize;
-        let pixel = |number: usize| ReferencePixel {
-            half_buffers: [&a, &b].map(|film| film.pixels()[number].as_dvec3()),
-            normaliser: normaliser(mean.pixels(), width, number, 1, 1.0).as_dvec3(),
+        let pixel = |index: usize| ReferencePixel {
+            half_buffers: [&a, &b].map(|film| film.pixels()[index].as_dvec3()),
+            normaliser: normaliser(mean.pixels(), width, index, 1, 1.0).as_dvec3(),
         };
         (0..mean.pixels().len()).map(pixel).collect()
     }
@@ -91,7 +91,7 @@ impl ReferencePixel {
     }
 }
 
-/// The picture at an exposure in stops.
+/// The image at an exposure in stops.
 pub(super) fn exposed(film: &Film, exposure: f32) -> Film {
     let mut film = film.clone();
     film.expose(exposure);
@@ -114,7 +114,7 @@ mod tests {
             let scale = libm::exp2(exposure);
             // The mean of two has half the variance.
             let expected = (0.1 * scale).powi(2) / 2.0 / ((0.5 * scale).powi(2) + 0.01);
-            let own = reference.relative_square_error(exposure as f32);
+            let own = reference.rel_mse(exposure as f32);
             // Of 3072 pixels, each the mean of two half buffers and of three channels.
             let error = 0.1 / 0.5 / (2.0_f64 * 3.0 * 3072.0).sqrt();
             assert!((reference.error_of_mean() / error - 1.0).abs() < 0.06);
@@ -131,7 +131,7 @@ mod tests {
         let reference = Reference::new(a, b);
         assert_eq!(reference.mean().pixels(), [Vec3::new(0.5, 1.0, 1.5)]);
         // One pixel has none around it: ((1 / 4) / 0.26 + 1 / 1.01 + (9 / 4) / 2.26) / 3.
-        let own = reference.relative_square_error(0.0);
+        let own = reference.rel_mse(0.0);
         assert!((own - 0.982_404).abs() < 1e-6, "{own}");
     }
 

@@ -31,8 +31,8 @@ impl Estimate {
         }
     }
 
-    /// The 95 % confidence interval, where the standard error is estimated with so many `degrees` of freedom: n - 1 for the
-    /// mean of n values. With none, from -infinity to infinity.
+    /// The 95 % confidence interval, where the standard error is estimated with `degrees` degrees of freedom: n - 1 for
+    /// the mean of n values. With none, from -infinity to infinity.
     pub fn interval(self, degrees: u32) -> [f64; 2] {
         let half = match degrees {
             0 => f64::INFINITY,
@@ -66,8 +66,8 @@ fn standard_deviation(values: &[f64]) -> f64 {
     (squares / (values.len() as f64 - 1.0)).sqrt()
 }
 
-/// The percentile by nearest rank: the smallest value that at least `fraction` of the values, 0 to 1, do not exceed; NaN of
-/// none. NaN counts as the largest value. Reorders the values.
+/// The percentile by nearest rank: the smallest value that at least `fraction` of the values, 0 to 1, do not exceed;
+/// NaN of none. NaN counts as the largest value. Reorders the values.
 pub(super) fn percentile(values: &mut [f64], fraction: f64) -> f64 {
     if values.is_empty() {
         return f64::NAN;
@@ -77,11 +77,12 @@ pub(super) fn percentile(values: &mut [f64], fraction: f64) -> f64 {
     *values.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
-/// With more degrees of freedom the expansion is as accurate as the sum, which has half as many terms as there are degrees.
+/// With more degrees of freedom the expansion is as accurate as the sum, which has half as many terms as there are
+/// degrees.
 const SUMMED: u32 = 2000;
 
-/// The two-sided quantile of Student's t distribution: |t| exceeds it with probability `p`, above 0 and below 1; `degrees` of
-/// freedom are 1 or more.
+/// The two-sided quantile of Student's t distribution: |t| exceeds it with probability `p`, above 0 and below 1;
+/// `degrees` of freedom are 1 or more.
 ///
 /// Abramowitz and Stegun, "Handbook of Mathematical Functions": the sums 26.7.3 for odd and 26.7.4 for even
 /// degrees, and for many the expansion 26.7.5, within 1e-6 of t where p is above 1e-7.
@@ -128,8 +129,8 @@ fn exceeds(degrees: u32, angle: f64) -> f64 {
 /// Halvings after which nothing more changes in double precision.
 const DOUBLE: u32 = 60;
 
-/// The least argument from 0 to `high` where a decreasing function is at most `value`, by so many bisections. `high` is
-/// assumed to be one.
+/// The least argument from 0 to `high` where a decreasing function is at most `value`, by `halvings` bisections. `high`
+/// is assumed to be one.
 pub fn invert_decreasing(
     value: f64,
     mut high: f64,

@@ -1,4 +1,4 @@
-//! Pictures with noise of known variance, for tests.
+//! Images with noise of known variance, for tests.
 
 use crate::film::Film;
 use crate::sampling::Random;
@@ -32,15 +32,15 @@ impl Noise {
         Vec3::new(channel(), channel(), channel())
     }
 
-    /// A picture that is `value` everywhere.
+    /// An image that is `value` everywhere.
     pub(super) fn even(&self, width: u32, height: u32, value: f32) -> Film {
         let mut film = Film::new(width, height);
         film.pixels_mut().fill(Vec3::splat(value));
         film
     }
 
-    /// A picture with noise of standard deviation `sigma` in each channel.
-    pub(super) fn picture(&mut self, truth: &Film, sigma: f64) -> Film {
+    /// An image with noise of standard deviation `sigma` in each channel.
+    pub(super) fn image(&mut self, truth: &Film, sigma: f64) -> Film {
         let mut film = truth.clone();
         for pixel in film.pixels_mut() {
             *pixel = self.light(*pixel, sigma);
@@ -50,6 +50,6 @@ impl Noise {
 
     /// Two half buffers with noise of standard deviation `sigma`.
     pub(super) fn half_buffers(&mut self, truth: &Film, sigma: f64) -> [Film; 2] {
-        [0; 2].map(|_| self.picture(truth, sigma))
+        [0; 2].map(|_| self.image(truth, sigma))
     }
 }

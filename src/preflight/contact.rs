@@ -4,7 +4,7 @@ use super::inside::{Probe, eye, frames_inside};
 use super::steps::measure_steps;
 use super::warning::Measured;
 use super::{FrameRuns, PathWarning, WarningKind};
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::camera::{Camera, FrameCameras};
 use crate::math::Ray;
 use crate::scene::Scene;
@@ -54,7 +54,7 @@ fn crossing(scene: &Scene, from: &Camera, to: &Camera) -> Option<i32> {
     }
     let rays = [Ray::new(from, to - from), Ray::new(to, from - to)];
     let mut hits = [None; 2];
-    scene.closest_incoherent(&rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(&rays, &mut hits, &mut QueryState::default());
     // Whether the camera is in front of the nearest surface on its way.
     let in_front = |i: usize| {
         let hit = hits[i].filter(|hit| hit.t <= 1.0)?;

@@ -1,7 +1,8 @@
 //! Scenes and camera paths for the tests of preflight.
 
 use crate::camera::{
-    Camera, CameraPath, FrameCameras, Interpolation, Keyframe, Orientation, PathTiming, Segment,
+    Camera, CameraPath, CameraPathTiming, FrameCameras, Interpolation, Keyframe, Orientation,
+    Segment,
 };
 use crate::geometry::{self, Sphere};
 use crate::material::Material;
@@ -21,7 +22,7 @@ pub(super) fn path(interpolation: Interpolation, keys: &[(f64, DVec3, DVec3)]) -
         segment: Segment::of(interpolation),
     };
     let keys: Vec<Keyframe> = keys.iter().map(key).collect();
-    CameraPath::new(FPS, &keys, &PathTiming::BY_KEYS).expect("a path")
+    CameraPath::new(FPS, &keys, &CameraPathTiming::BY_KEYS).expect("a path")
 }
 
 /// A straight path of one second that looks along -Z.

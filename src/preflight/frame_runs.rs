@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// The most runs that are listed; the frames of further ones are counted.
-const MOST_RUNS: usize = 8;
+const MAX_RUNS: usize = 8;
 
 /// Some frames of a path, at least one, as runs without gaps.
 ///
@@ -37,7 +37,7 @@ impl FrameRuns {
 
 impl fmt::Display for FrameRuns {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let (listed, others) = self.0.split_at(self.0.len().min(MOST_RUNS));
+        let (listed, others) = self.0.split_at(self.0.len().min(MAX_RUNS));
         let mut runs: Vec<String> = listed
             .iter()
             .map(|[first, last]| match first == last {

@@ -9,11 +9,11 @@ use glam::DVec3;
 use std::f64::consts::PI;
 
 /// The least angular velocity of the heading that counts as a spin, in radians per second.
-const LEAST_TURN: f64 = 2.0 / 3.0 * PI;
+const MIN_TURN: f64 = 2.0 / 3.0 * PI;
 
 /// The least ratio of the heading's turn to that of the view direction in a spin: that of a view within 5 degrees of
 /// the vertical, or of one that passes it between two frames.
-const LEAST_RATIO: f64 = 11.0;
+const MIN_RATIO: f64 = 11.0;
 
 /// Tolerance for "no roll": the vertical component of the camera's right direction.
 const LEVEL: f64 = 1e-6;
@@ -31,7 +31,7 @@ pub(super) fn find(frames: &FrameCameras, mode: OrientationMode) -> Vec<PathWarn
     let turns = measure_steps(frames, |from, to| {
         let heading = right(from)?.angle_between(right(to)?);
         let view = from.rotation.z_axis.angle_between(to.rotation.z_axis);
-        (heading > LEAST_TURN / frames.fps && heading > LEAST_RATIO * view).then_some(heading)
+        (heading > MIN_TURN / frames.fps && heading > MIN_RATIO * view).then_some(heading)
     });
     let found: Vec<Measured> = (turns.into_iter().enumerate())
         .filter_map(|(frame, turn)| Some((frame, turn??)))
@@ -53,7 +53,9 @@ pub(super) fn find(frames: &FrameCameras, mode: OrientationMode) -> Vec<PathWarn
 mod tests {
     use super::super::fixtures::{FPS, open_shot, path, still};
     use super::*;
-    use crate::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment};
+    use crate::camera::{
+        CameraPath, CameraPathTiming, Interpolation, Keyframe, Orientation, Segment,
+    };
     use glam::DMat3;
 
     fn of_path(path: &CameraPath) -> Vec<PathWarning> {
@@ -116,7 +118,7 @@ mod tests {
             segment: Segment::of(Interpolation::Linear),
         };
         let found = |keys: [Keyframe; 2]| {
-            let path = CameraPath::new(FPS, &keys, &PathTiming::BY_KEYS).expect("a path");
+            let path = CameraPath::new(FPS, &keys, &CameraPathTiming::BY_KEYS).expect("a path");
             of_path(&path)
         };
         let rolled = [(0.0, 3.0), (4.0, -3.0)]

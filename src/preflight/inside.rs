@@ -1,6 +1,6 @@
 //! Whether the camera is inside a solid object or in a room, from rays in all directions.
 
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::camera::{Camera, FrameCameras};
 use crate::geometry::Hit;
 use crate::math::Ray;
@@ -17,7 +17,7 @@ const DIRECTIONS: usize = 8;
 const NEARLY_ALL: f64 = 0.8;
 
 /// The least fraction of directions with fronts behind backs that shows a solid among other surfaces.
-const LEAST_FRONTS_BEHIND: f64 = 0.65;
+const MIN_FRONTS_BEHIND: f64 = 0.65;
 
 /// The mean distance of surfaces, in metres, below which the camera is in a solid, not in a room. A house whose walls
 /// face outward, under a sky that faces inward, is told from a solid by nothing else.
@@ -72,7 +72,7 @@ fn cast(scene: &Scene, rays: &[Ray]) -> Vec<ProbeHit> {
     /// Where the onward ray starts, relative to the distance: beyond its rounding.
     const BEHIND: f64 = 1.0 + 1e-4;
     let mut hits = vec![None; rays.len()];
-    scene.closest_incoherent(rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(rays, &mut hits, &mut QueryState::default());
     let probe_hit = |(ray, hit): (&Ray, Option<Hit>)| {
         let hit = hit?;
         Some(ProbeHit {
@@ -114,7 +114,7 @@ pub(super) fn frames_inside(
     for shot in frames.shots() {
         let sees_backs = |frame: &usize| probes[*frame].backs >= NEARLY_ALL;
         let is_narrow = |probe: &Probe| {
-            probe.fronts_behind_backs >= LEAST_FRONTS_BEHIND && probe.mean_distance < NARROW
+            probe.fronts_behind_backs >= MIN_FRONTS_BEHIND && probe.mean_distance < NARROW
         };
         let is_in_solid =
             |frame: usize| sees_backs(&frame) && (backs_are_rare || is_narrow(&probes[frame]));

@@ -12,7 +12,7 @@ const FAST: f64 = 4.0;
 /// The least change that is a jump, relative to the median speed: that of a corner of 11 degrees. A quarter of it is
 /// the least difference of speeds that is visible (McKee 1981, "A local mechanism for differential velocity
 /// detection").
-const LEAST_JUMP: f64 = 0.2;
+const MIN_JUMP: f64 = 0.2;
 
 /// The least ratio of a jump, over two frames, to the changes from frame to frame around it: twice that of a constant
 /// acceleration.
@@ -28,10 +28,10 @@ const CANCELLED: f64 = 0.5;
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 
 /// Longer steps, in metres, are no rounding, however large the coordinates.
-const MOST_ROUNDING: f64 = 5e-4;
+const MAX_ROUNDING: f64 = 5e-4;
 
 /// The least turn in radians; smaller ones are rounding.
-const LEAST_TURN: f64 = 1e-6;
+const MIN_TURN: f64 = 1e-6;
 
 /// Jumps of the angular velocity below this many pixels per second are invisible.
 const UNSEEN_PIXELS: f64 = 24.0;
@@ -45,7 +45,7 @@ pub(super) fn find(frames: &FrameCameras, height: u32) -> Vec<PathWarning> {
     let steps = measure_steps(frames, |from, to| to.position - from.position);
     let turns = measure_steps(frames, |from, to| from.rotation * from.turn_to(to));
     let mut warnings = Vec::new();
-    if let Some(median) = median_length(&steps, (ROUNDING * size).min(MOST_ROUNDING)) {
+    if let Some(median) = median_length(&steps, (ROUNDING * size).min(MAX_ROUNDING)) {
         let length = |(frame, step): (usize, &Option<DVec3>)| Some((frame, (*step)?.length()));
         let fast: Vec<Measured> = (steps.iter().enumerate())
             .filter_map(length)
@@ -59,7 +59,7 @@ pub(super) fn find(frames: &FrameCameras, height: u32) -> Vec<PathWarning> {
                 median: median_speed,
             }
         }));
-        let jumps = jumps(&steps, |_| LEAST_JUMP * median);
+        let jumps = jumps(&steps, |_| MIN_JUMP * median);
         let (at_seam, jumps) = split_seam(frames, jumps);
         warnings.extend(PathWarning::of(&jumps, |frame, jump| {
             WarningKind::VelocityJump {
@@ -75,10 +75,10 @@ pub(super) fn find(frames: &FrameCameras, height: u32) -> Vec<PathWarning> {
             }
         }));
     }
-    if let Some(median) = median_length(&turns, LEAST_TURN) {
+    if let Some(median) = median_length(&turns, MIN_TURN) {
         let pixel = |frame: usize| 2.0 * frames.cameras[frame].half_height / f64::from(height);
         let unseen = |frame| UNSEEN_PIXELS / fps * pixel(frame);
-        let jumps = jumps(&turns, |frame| unseen(frame).max(LEAST_JUMP * median));
+        let jumps = jumps(&turns, |frame| unseen(frame).max(MIN_JUMP * median));
         let (at_seam, jumps) = split_seam(frames, jumps);
         warnings.extend(PathWarning::of(&jumps, |frame, jump| {
             WarningKind::AngularVelocityJump {
@@ -166,7 +166,7 @@ mod tests {
     use super::super::fixtures::{FPS, open_shot, path, still};
     use super::*;
     use crate::camera::Interpolation::{self, CatmullRom, Linear};
-    use crate::camera::{CameraPath, Keyframe, Orientation, PathTiming, Segment};
+    use crate::camera::{CameraPath, CameraPathTiming, Keyframe, Orientation, Segment};
     use crate::preflight::FrameRuns;
     use crate::sampling::Random;
     use std::f64::consts::{PI, TAU};
@@ -240,7 +240,7 @@ mod tests {
                 }
             };
             let keys: Vec<Keyframe> = (0..8).map(&mut key).collect();
-            let path = CameraPath::new(FPS, &keys, &PathTiming::BY_KEYS).expect("keys");
+            let path = CameraPath::new(FPS, &keys, &CameraPathTiming::BY_KEYS).expect("keys");
             let mut found = find(&FrameCameras::of(&path), HEIGHT);
             found.retain(|finding| !matches!(finding.kind, WarningKind::SpeedSpike { .. }));
             assert_eq!(found, [], "{round}");

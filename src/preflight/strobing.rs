@@ -3,7 +3,7 @@
 use super::steps::measure_steps;
 use super::warning::Measured;
 use super::{PathWarning, WarningKind};
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::camera::{Camera, FrameCameras};
 use crate::math::Ray;
 use crate::scene::Scene;
@@ -15,10 +15,10 @@ const POINTS: [usize; 2] = [16, 9];
 /// The least number of frames in which the image may move by its own width: 3 s at 24 frames per second. The
 /// cinematographers' rule for pans is 7 s, with a 180 degree shutter. Without motion blur single frames become visible
 /// below half of that.
-const LEAST_FRAMES: f64 = 72.0;
+const MIN_FRAMES: f64 = 72.0;
 
 pub(super) fn find(scene: &Scene, frames: &FrameCameras, size: DVec2) -> Vec<PathWarning> {
-    let limit = size.x / LEAST_FRAMES;
+    let limit = size.x / MIN_FRAMES;
     let moved = measure_steps(frames, |from, to| movement(scene, from, to, size));
     let found: Vec<Measured> = (moved.into_iter().enumerate())
         .filter_map(|(frame, pixels)| Some((frame, pixels?)))
@@ -29,7 +29,7 @@ pub(super) fn find(scene: &Scene, frames: &FrameCameras, size: DVec2) -> Vec<Pat
         pixels,
         width: size.x,
         seconds: size.x / (pixels * frames.fps),
-        least_seconds: LEAST_FRAMES / frames.fps,
+        least_seconds: MIN_FRAMES / frames.fps,
     });
     warning.into_iter().collect()
 }
@@ -44,7 +44,7 @@ fn movement(scene: &Scene, from: &Camera, to: &Camera, size: DVec2) -> f64 {
         .collect();
     let rays: Vec<Ray> = points.iter().map(|point| rays.through(*point)).collect();
     let mut hits = vec![None; rays.len()];
-    scene.closest_incoherent(&rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(&rays, &mut hits, &mut QueryState::default());
     let seen = points.iter().zip(&rays).zip(&hits);
     let mut moved: Vec<f64> = seen
         .map(|((image_point, ray), hit)| {

@@ -23,23 +23,23 @@ impl SampleAllocation {
     /// For points in rows of `width`, from the mean and half the difference of the A/B half buffers after one pass.
     pub(super) fn new(
         values: &[Vec3],
-        deviations: &[Vec3],
+        half_differences: &[Vec3],
         width: usize,
         display_white: f32,
     ) -> SampleAllocation {
-        let squares: Vec<Vec3> = deviations.iter().map(|d| d * d).collect();
-        let around = |number: usize| {
-            let rings = [1, 2].map(|reach| local_mean(&squares, width, number, reach));
+        let squares: Vec<Vec3> = half_differences.iter().map(|d| d * d).collect();
+        let around = |index: usize| {
+            let rings = [1, 2].map(|spacing| local_mean(&squares, width, index, spacing));
             let rings = rings.into_iter().flatten();
             let (sum, count) = rings.fold((Vec3::ZERO, 0), |(sum, n), ring| (sum + ring, n + 1));
             // A frame of one point has no neighbours.
             let square = if count == 0 {
-                squares[number]
+                squares[index]
             } else {
                 sum / count as f32
             };
             // The normaliser of the point excludes the point's own value; the neighbours' normalisers include it.
-            let relative = square / normaliser(values, width, number, 1, display_white);
+            let relative = square / normaliser(values, width, index, 1, display_white);
             relative.element_sum() / 3.0
         };
         let mut variances: Vec<f32> = (0..squares.len()).into_par_iter().map(around).collect();
@@ -53,9 +53,9 @@ impl SampleAllocation {
     /// The passes at each point that reduce the frame's square error to `fraction`, in 0..1, of that after `taken`
     /// passes, if it falls as 1 / n. No point gets fewer than it has taken, nor more than `most`.
     pub(super) fn passes(&self, taken: &[u32], fraction: f64, most: u32) -> Vec<u32> {
-        let passes = |number: usize, scale: f64| {
-            let wanted = (scale * f64::from(self.variances[number].sqrt())).round();
-            (wanted.min(f64::from(most)) as u32).max(taken[number])
+        let passes = |index: usize, scale: f64| {
+            let wanted = (scale * f64::from(self.variances[index].sqrt())).round();
+            (wanted.min(f64::from(most)) as u32).max(taken[index])
         };
         let points = 0..taken.len();
         let error = |scale: f64| -> f64 {
@@ -72,6 +72,6 @@ impl SampleAllocation {
         // Sufficient if no number were rounded and no point had more passes already.
         let enough = 2.0 * deviations / goal.max(f64::MIN_POSITIVE);
         let scale = invert_decreasing(goal, enough, 32, error);
-        points.clone().map(|number| passes(number, scale)).collect()
+        points.clone().map(|index| passes(index, scale)).collect()
     }
 }

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ErrorEstimate {
     /// An unbiased estimate of the frame's relMSE; at least 0.
-    pub relative_square_error: f64,
+    pub rel_mse: f64,
     /// The standard deviation of the difference between error and estimate.
     pub standard_error: f64,
 }
@@ -22,17 +22,14 @@ impl ErrorEstimate {
     /// The 95 % confidence interval of the frame's error.
     pub fn interval(&self) -> [f64; 2] {
         let half_width = 1.96 * self.standard_error;
-        let (low, high) = (
-            self.relative_square_error - half_width,
-            self.relative_square_error + half_width,
-        );
+        let (low, high) = (self.rel_mse - half_width, self.rel_mse + half_width);
         [low.max(0.0), high]
     }
 
     /// The sum of two independent parts of an error.
     pub(super) fn plus(self, other: ErrorEstimate) -> ErrorEstimate {
         ErrorEstimate {
-            relative_square_error: self.relative_square_error + other.relative_square_error,
+            rel_mse: self.rel_mse + other.rel_mse,
             standard_error: self.standard_error.hypot(other.standard_error),
         }
     }
@@ -45,11 +42,11 @@ impl ErrorEstimate {
     /// give two independent estimates. That underestimates where noise varies from pixel to pixel. The fourth power
     /// of a pixel's own difference, three times the square of its variance if noise is normal, overestimates where it
     /// is not. Their mean is taken.
-    pub(super) fn of(deviations: &RelativeDeviations) -> ErrorEstimate {
-        let RelativeDeviations { values, reach } = deviations;
+    pub(super) fn of(differences: &RelativeHalfDifferences) -> ErrorEstimate {
+        let RelativeHalfDifferences { values, spacing } = differences;
         let count = values.len() as f64;
         let squares: f64 = values.iter().map(|d| f64::from(d.length_squared())).sum();
-        let neighbours = values.iter().zip(values.iter().cycle().skip(*reach));
+        let neighbours = values.iter().zip(values.iter().cycle().skip(*spacing));
         let products: f64 = neighbours.map(|(d, e)| f64::from(d.dot(*e)).powi(2)).sum();
         let fourths: f64 = values
             .iter()
@@ -58,38 +55,38 @@ impl ErrorEstimate {
         let covariances = 4.0 * 0.5 * (products + fourths / 3.0);
         // Pixels that share corner samples share noise: the correlation with the four adjacent pixels is 1/2, with
         // the four diagonal ones 1/4. The variance grows by the sum of the squares, 1 + 4/4 + 4/16.
-        let shared = if *reach == 1 { 1.0 } else { 2.25 };
+        let shared = if *spacing == 1 { 1.0 } else { 2.25 };
         ErrorEstimate {
-            relative_square_error: squares / count / 3.0,
+            rel_mse: squares / count / 3.0,
             standard_error: (shared * covariances).sqrt() / count / 3.0,
         }
     }
 }
 
 /// Half the difference of the A/B half buffers at each pixel, relative to the radiance.
-pub(super) struct RelativeDeviations {
+pub(super) struct RelativeHalfDifferences {
     values: Vec<Vec3>,
     /// The distance to the nearest pixels in a row that share no samples.
-    reach: usize,
+    spacing: usize,
 }
 
-impl RelativeDeviations {
+impl RelativeHalfDifferences {
     /// Of rows of `width` pixels.
     pub(super) fn new(
         pixels: &[Vec3],
-        deviations: &[Vec3],
+        half_differences: &[Vec3],
         width: usize,
         display_white: f32,
         shared_corners: bool,
-    ) -> RelativeDeviations {
-        let reach = if shared_corners { 2 } else { 1 };
-        let relative = |number: usize| {
-            let square = normaliser(pixels, width, number, reach, display_white);
-            deviations[number] / square.map(f32::sqrt)
+    ) -> RelativeHalfDifferences {
+        let spacing = if shared_corners { 2 } else { 1 };
+        let relative = |index: usize| {
+            let square = normaliser(pixels, width, index, spacing, display_white);
+            half_differences[index] / square.map(f32::sqrt)
         };
-        RelativeDeviations {
+        RelativeHalfDifferences {
             values: (0..pixels.len()).into_par_iter().map(relative).collect(),
-            reach,
+            spacing,
         }
     }
 }
@@ -118,10 +115,10 @@ mod tests {
         let (a, b) = (half(), half());
         let both = || a.iter().zip(&b);
         let image: Vec<Vec3> = both().map(|(a, b)| 0.5 * (a + b)).collect();
-        let deviations: Vec<Vec3> = both().map(|(a, b)| 0.5 * (a - b)).collect();
-        let relative = RelativeDeviations::new(&image, &deviations, WIDTH, 1.0, false);
-        let error = |(number, x): (usize, &Vec3)| {
-            let square = normaliser(&image, WIDTH, number, 1, 1.0);
+        let half_differences: Vec<Vec3> = both().map(|(a, b)| 0.5 * (a - b)).collect();
+        let relative = RelativeHalfDifferences::new(&image, &half_differences, WIDTH, 1.0, false);
+        let error = |(index, x): (usize, &Vec3)| {
+            let square = normaliser(&image, WIDTH, index, 1, 1.0);
             ((x - 0.5).powf(2.0) / square).element_sum()
         };
         let sum: f32 = image.iter().enumerate().map(error).sum();
@@ -141,14 +138,14 @@ mod tests {
                 .collect();
             let mean = runs
                 .iter()
-                .map(|(estimated, _)| estimated.relative_square_error)
+                .map(|(estimated, _)| estimated.rel_mse)
                 .sum::<f64>()
                 / 100.0;
             // The variance of the mean of two half buffers, over the squares of the radiance and of a tenth of white.
             let expected = f64::from(variance) / 2.0 / 0.26;
             assert!((mean / expected - 1.0).abs() < 0.01, "{mean} {expected}");
             let z = runs.iter().map(|(estimated, error)| {
-                let off = (estimated.relative_square_error - error) / estimated.standard_error;
+                let off = (estimated.rel_mse - error) / estimated.standard_error;
                 off * off
             });
             let mean_square = z.sum::<f64>() / 100.0;
@@ -162,7 +159,7 @@ mod tests {
     fn no_noise_is_no_error() {
         let image = vec![Vec3::ONE; 12];
         let none = vec![Vec3::ZERO; 12];
-        let relative = RelativeDeviations::new(&image, &none, 4, 1.0, true);
+        let relative = RelativeHalfDifferences::new(&image, &none, 4, 1.0, true);
         assert_eq!(ErrorEstimate::of(&relative).interval(), [0.0, 0.0]);
     }
 }

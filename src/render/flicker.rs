@@ -1,4 +1,4 @@
-//! Flicker: the change of noise against the scene from one frame to the next.
+//! Flicker, or temporal noise: how the error at a point of the scene changes from one frame to the next.
 
 use super::{Reprojection, reprojection};
 use crate::film::Film;
@@ -46,13 +46,13 @@ impl Reprojection {
         display_white: f32,
     ) -> Flicker {
         let residuals = [image, reference_a, reference_b].map(|films| self.residual(films));
-        let dark = f64::from(RADIANCE_FLOOR * display_white).powi(2);
+        let floor = f64::from(RADIANCE_FLOOR * display_white).powi(2);
         let later = [reference_a[1], reference_b[1]];
         let product = |i: usize| {
             let [x, a, b] = residuals.each_ref().map(|of| of[i].as_dvec3());
             let [of_a, of_b] = later.map(|film| film.pixels()[self.matches()[i].pixel]);
             let r = 0.5 * (of_a.as_dvec3() + of_b.as_dvec3());
-            ((x - a) * (x - b) / (r * r + dark)).element_sum() / 3.0
+            ((x - a) * (x - b) / (r * r + floor)).element_sum() / 3.0
         };
         let products: Vec<f64> = (0..self.matches().len()).map(product).collect();
         let count = products.len().max(1) as f64;
@@ -67,9 +67,9 @@ impl Reprojection {
 
     /// The standard error of a sum over the matches, given their mean.
     ///
-    /// Neighbouring pixels may share samples, and so may the pixels that they are interpolated from; quarters of
-    /// tiles share little. The noise is estimated from the difference between the two quarters on one diagonal of a tile
-    /// and the two on the other: linear changes over the tile cancel, and changes across the image do not matter.
+    /// Neighbouring pixels may share samples, and so may the pixels that they are interpolated from; quarters of tiles
+    /// share little. The noise is estimated from the difference between the two quarters on one diagonal of a tile and
+    /// the two on the other: linear changes over the tile cancel, and changes across the image do not matter.
     fn error_of_sum(&self, values: &[f64], mean: f64) -> f64 {
         let width = self.width() as usize;
         let tiles_per_row = width.div_ceil(TILE);

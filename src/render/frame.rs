@@ -1,8 +1,8 @@
 //! One frame: first samples, adaptive samples, image and estimated error.
 
+use super::accumulator::SampleAccumulator;
 use super::adaptive::SampleAllocation;
-use super::error_estimate::{ErrorEstimate, RelativeDeviations};
-use super::estimates::Estimates;
+use super::error_estimate::{ErrorEstimate, RelativeHalfDifferences};
 use super::grid::{Grid, average_corners};
 use super::observer::{NoObserver, RenderObserver};
 use super::sampler::Sampler;
@@ -18,7 +18,7 @@ pub struct RenderedFrame {
     pub film: Film,
     /// Half the difference of the A/B half buffers: they are the image plus and minus this. Its square is an unbiased
     /// estimate of the variance of the pixel. None if the frame has no Monte Carlo noise.
-    pub deviation: Option<Film>,
+    pub half_difference: Option<Film>,
     /// The error by noise and by the irradiance cache; none if the frame has neither.
     pub error: Option<ErrorEstimate>,
     /// How many rays were traced.
@@ -32,8 +32,10 @@ impl RenderedFrame {
     /// The two independent half buffers, A and B, whose mean is the image; the image itself, twice, if it has no
     /// noise.
     pub fn half_buffers(&self) -> [Film; 2] {
-        match &self.deviation {
-            Some(deviation) => [1.0, -1.0].map(|sign| self.film.weighted_sum(1.0, deviation, sign)),
+        match &self.half_difference {
+            Some(half_difference) => {
+                [1.0, -1.0].map(|sign| self.film.weighted_sum(1.0, half_difference, sign))
+            }
             None => [self.film.clone(), self.film.clone()],
         }
     }
@@ -73,55 +75,55 @@ impl Renderer<'_> {
         let settings = &self.settings;
         let grid = Grid::of(settings);
         let sampler = Sampler::new(self, camera, frame);
-        let mut estimates = Estimates::new(grid, &sampler);
-        estimates.refine(grid, &sampler, |_| 1, observer);
+        let mut accumulator = SampleAccumulator::new(grid, &sampler);
+        accumulator.refine(grid, &sampler, |_| 1, observer);
         if observer.is_stopped() {
             return None;
         }
         let cache_error = self.cache_errors.get(frame as usize).copied();
         if sampler.half_buffers == 1 {
-            let film = develop(settings, estimates.values);
+            let film = resolve_pixels(settings, accumulator.values);
             return Some(RenderedFrame {
                 film,
-                deviation: None,
+                half_difference: None,
                 error: cache_error,
-                rays: estimates.rays,
-                non_finite_samples: estimates.non_finite,
+                rays: accumulator.rays,
+                non_finite_samples: accumulator.non_finite,
             });
         }
-        let mut developed = develop_halves(settings, &estimates);
+        let mut resolved = resolve_half_buffers(settings, &accumulator);
         if let Some(target) = settings.target_error {
-            let [values, deviations] = combine(&estimates);
+            let [values, half_differences] = combine(&accumulator);
             let width = grid.width as usize;
             let allocation =
-                SampleAllocation::new(&values, &deviations, width, settings.display_white);
-            let target = target_of_noise(target, cache_error);
-            while let Some(fraction) = fraction_to_go(&developed.2, target) {
-                let wanted = allocation.passes(&estimates.passes, fraction, sampler.most_passes());
-                if wanted == estimates.passes {
+                SampleAllocation::new(&values, &half_differences, width, settings.display_white);
+            let target = noise_target(target, cache_error);
+            while let Some(fraction) = next_error_fraction(&resolved.2, target) {
+                let wanted = allocation.passes(&accumulator.passes, fraction, sampler.max_passes());
+                if wanted == accumulator.passes {
                     break;
                 }
-                estimates.refine(grid, &sampler, |number| wanted[number], observer);
+                accumulator.refine(grid, &sampler, |index| wanted[index], observer);
                 if observer.is_stopped() {
                     return None;
                 }
-                developed = develop_halves(settings, &estimates);
+                resolved = resolve_half_buffers(settings, &accumulator);
             }
         }
-        let (film, deviation, noise) = developed;
+        let (film, half_difference, noise) = resolved;
         Some(RenderedFrame {
             film,
-            deviation: Some(deviation),
+            half_difference: Some(half_difference),
             error: Some(cache_error.map_or(noise, |cache| cache.plus(noise))),
-            rays: estimates.rays,
-            non_finite_samples: estimates.non_finite,
+            rays: accumulator.rays,
+            non_finite_samples: accumulator.non_finite,
         })
     }
 }
 
 /// The part of a target error that the irradiance cache leaves for noise: at least half, as more samples cannot make up
 /// for a cache that takes more than half.
-fn target_of_noise(target: f64, cache_error: Option<ErrorEstimate>) -> f64 {
+fn noise_target(target: f64, cache_error: Option<ErrorEstimate>) -> f64 {
     let of_cache = cache_error.map_or(0.0, |cache| cache.interval()[1]);
     (target - of_cache).max(0.5 * target)
 }
@@ -129,7 +131,7 @@ fn target_of_noise(target: f64, cache_error: Option<ErrorEstimate>) -> f64 {
 /// The fraction of a frame's error that its next samples should leave; none if the target is reached.
 ///
 /// One decision for all pixels, on which a single pixel has next to no influence: means stay unbiased.
-fn fraction_to_go(error: &ErrorEstimate, target: f64) -> Option<f64> {
+fn next_error_fraction(error: &ErrorEstimate, target: f64) -> Option<f64> {
     /// Errors fall faster than 1 / n: larger steps would overshoot.
     const MIN_FRACTION: f64 = 0.25;
     let [_, upper] = error.interval();
@@ -137,8 +139,8 @@ fn fraction_to_go(error: &ErrorEstimate, target: f64) -> Option<f64> {
 }
 
 /// The mean and half the difference of the half buffers at each point.
-fn combine(estimates: &Estimates) -> [Vec<Vec3>; 2] {
-    let halves = || estimates.values.chunks_exact(2);
+fn combine(accumulator: &SampleAccumulator) -> [Vec<Vec3>; 2] {
+    let halves = || accumulator.values.chunks_exact(2);
     [
         halves().map(|half| 0.5 * (half[0] + half[1])).collect(),
         halves().map(|half| 0.5 * (half[0] - half[1])).collect(),
@@ -146,21 +148,25 @@ fn combine(estimates: &Estimates) -> [Vec<Vec3>; 2] {
 }
 
 /// The image, half the difference of its half buffers, and its noise.
-fn develop_halves(settings: &RenderSettings, estimates: &Estimates) -> (Film, Film, ErrorEstimate) {
-    let [film, deviation] = combine(estimates).map(|points| develop(settings, points));
-    let deviations = RelativeDeviations::new(
+fn resolve_half_buffers(
+    settings: &RenderSettings,
+    accumulator: &SampleAccumulator,
+) -> (Film, Film, ErrorEstimate) {
+    let [film, half_difference] =
+        combine(accumulator).map(|points| resolve_pixels(settings, points));
+    let relative = RelativeHalfDifferences::new(
         film.pixels(),
-        deviation.pixels(),
+        half_difference.pixels(),
         settings.width as usize,
         settings.display_white,
         settings.sampling == PixelSampling::Corners,
     );
-    let noise = ErrorEstimate::of(&deviations);
-    (film, deviation, noise)
+    let noise = ErrorEstimate::of(&relative);
+    (film, half_difference, noise)
 }
 
 /// The pixels from the points' values.
-fn develop(settings: &RenderSettings, points: Vec<Vec3>) -> Film {
+fn resolve_pixels(settings: &RenderSettings, points: Vec<Vec3>) -> Film {
     let (width, height) = (settings.width, settings.height);
     if settings.sampling != PixelSampling::Corners {
         return Film::from_pixels(width, height, points);

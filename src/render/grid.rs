@@ -28,7 +28,7 @@ impl Grid {
     }
 
     /// The index of a point, row by row from the top left.
-    pub(super) fn number(self, (x, y): (u32, u32)) -> usize {
+    pub(super) fn index(self, (x, y): (u32, u32)) -> usize {
         y as usize * self.width as usize + x as usize
     }
 

@@ -2,16 +2,16 @@
 //! how it moves from frame to frame.
 //!
 //! Each pixel takes its samples in two independent half buffers A and B. The square of half their difference is an
-//! unbiased estimate of the variance of their mean. They take no measurable time, but two independent sets of Sobol points
-//! are less evenly distributed than one: relMSE 0.0051 rather than 0.0045 for 32 paths. Adaptive samples are added by the
-//! noise around a pixel, never its own, so that no value decides how many samples it has.
+//! unbiased estimate of the variance of their mean. They take no measurable time, but two independent sets of Sobol
+//! points are less evenly distributed than one: relMSE 0.0051 rather than 0.0045 for 32 paths. Adaptive samples are
+//! added by the noise around a pixel, never its own, so that no value decides how many samples it has.
 //!
 //! A frame is a pure function of (scene, camera, settings, irradiance cache, frame number): the same bits for any
 //! number of threads. Knows nothing of file formats, folders or terminals.
 
+mod accumulator;
 mod adaptive;
 mod error_estimate;
-mod estimates;
 mod flicker;
 mod frame;
 mod grid;

@@ -12,15 +12,15 @@ pub trait RenderObserver: Sync {
     fn tile_done(&self, rays: u64) {
         let _ = rays;
     }
-    /// A frame is rendered and kept.
-    fn frame_kept(&self, frame: u32) {
+    /// A frame is rendered and stored.
+    fn frame_stored(&self, frame: u32) {
         let _ = frame;
     }
     /// A frame is not rendered: another process has rendered it, or it could not be claimed.
     fn frame_skipped(&self, frame: u32) {
         let _ = frame;
     }
-    /// A frame could not be claimed, rendered or kept.
+    /// A frame could not be claimed, rendered or stored.
     fn frame_failed(&self, frame: u32, error: &SinkError) {
         let _ = (frame, error);
     }

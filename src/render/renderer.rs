@@ -12,7 +12,7 @@ use crate::scene::Scene;
 pub struct Renderer<'a> {
     pub(super) settings: RenderSettings,
     pub(super) integrator: Integrator<'a>,
-    /// By frame; of no frame unless light is cached.
+    /// Indexed by frame; empty unless light is cached.
     pub(super) cache_errors: &'a [ErrorEstimate],
 }
 
@@ -45,7 +45,7 @@ impl<'a> Renderer<'a> {
         self.with(|settings| settings.seed = seed)
     }
 
-    /// The same renderer of frames with so many columns and rows.
+    /// The same renderer of frames with other columns and rows.
     pub fn with_size(&self, width: u32, height: u32) -> Renderer<'a> {
         self.with(|settings| (settings.width, settings.height) = (width, height))
     }

@@ -1,10 +1,10 @@
 //! Reprojection: which pixels of two frames show the same points of a static scene.
 
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::camera::{Camera, CameraRays};
 use crate::film::Film;
 use crate::geometry::Hit;
-use crate::material::Only;
+use crate::material::FeatureMask;
 use crate::math::Ray;
 use crate::scene::Scene;
 use glam::{DVec2, DVec3, Vec3};
@@ -18,7 +18,8 @@ use rayon::prelude::*;
 /// is off the tangent plane by about as much, which is a sixth of the tolerance.
 const ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
-/// Columns and rows of pixels in a tile: matches are thinned tile by tile, and the standard error is estimated from them.
+/// Columns and rows of pixels in a tile: matches are thinned tile by tile, and the standard error is estimated from
+/// them.
 pub const TILE: u32 = 8;
 
 /// The pixels of a frame whose points another frame shows, too, and where: of a static scene, seen
@@ -75,7 +76,7 @@ impl Reprojection {
         self.height
     }
 
-    /// Keeps the matches in about so many tiles of [`TILE`] x [`TILE`] pixels, evenly distributed, for frames that
+    /// Keeps the matches in about this many tiles of [`TILE`] x [`TILE`] pixels, evenly distributed, for frames that
     /// are only rendered there. [`Reprojection::matched`] does not change.
     pub fn thin(&mut self, tiles: u32) {
         let (width, columns) = (self.width as usize, self.width.div_ceil(TILE) as usize);
@@ -225,7 +226,7 @@ impl<'a> View<'a> {
             // centre was rounded, and a static camera must give no motion at all.
             let position = DVec2::new(x.into(), y.into()) + (before - now);
             if from.interpolates(position) {
-                let surface = self.scene.surface::<Only<0>>(ray, &hit);
+                let surface = self.scene.surface::<FeatureMask<0>>(ray, &hit);
                 let pixel = y as usize * self.width as usize + x as usize;
                 candidates.push(Candidate {
                     point,
@@ -276,7 +277,7 @@ impl<'a> View<'a> {
             self.height as usize,
         );
         let read = taps.into_iter().filter(|(_, weight)| *weight > 0.0);
-        read.map(|(number, _)| points[number])
+        read.map(|(index, _)| points[index])
             .all(|point| point.is_some_and(|point| candidate.off_plane(point) <= pixel))
     }
 }
@@ -291,6 +292,6 @@ impl Candidate {
 /// The hits of coherent rays.
 fn hits(scene: &Scene, rays: &[Ray]) -> Vec<Option<Hit>> {
     let mut hits = vec![None; rays.len()];
-    scene.closest_coherent(rays, &mut hits, &mut Traversal::default());
+    scene.closest_coherent(rays, &mut hits, &mut QueryState::default());
     hits
 }

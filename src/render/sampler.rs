@@ -1,10 +1,11 @@
-//! Camera samples of the points of a frame, in passes, and their A/B half buffers.
+//! Camera samples of the points of a frame, and their A/B half buffers. In one pass a point takes the camera samples of
+//! the settings, half of them in each half buffer; adaptive sampling adds passes.
 
 use super::{PixelSampling, Renderer};
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::camera::{Camera, CameraRays};
 use crate::integrator::{CameraSample, Integrator};
-use crate::sampling::Sequence;
+use crate::sampling::SobolSequence;
 use glam::{DVec2, DVec3, Vec3};
 
 /// Camera rays that are traced together.
@@ -63,7 +64,7 @@ impl<'a> Sampler<'a> {
 
     /// The most passes of a point: single precision tells 2^24 camera samples of a half buffer apart, and the indices
     /// of their paths have 32 bits.
-    pub(super) fn most_passes(&self) -> u32 {
+    pub(super) fn max_passes(&self) -> u32 {
         let splits = self.integrator.splits().iter();
         let paths = splits.map(|&split| u64::from(split));
         let paths = paths.fold(1, u64::saturating_mul);
@@ -85,11 +86,11 @@ impl<'a> Sampler<'a> {
         for (number, &(x, y)) in points.iter().enumerate() {
             let (first, last) = passes((x, y));
             let corner = DVec2::new(x.into(), y.into());
-            let sequence = Sequence::new(self.seed, self.frame, x, y);
+            let sequence = SobolSequence::new(self.seed, self.frame, x, y);
             for half in 0..self.half_buffers {
                 let sequence = match self.half_buffers {
                     1 => sequence,
-                    _ => sequence.half(half as u32),
+                    _ => sequence.for_half_buffer(half as u32),
                 };
                 for index in first * self.samples..last * self.samples {
                     let film = match self.sampling {
@@ -127,9 +128,9 @@ impl<'a> Sampler<'a> {
     fn trace(&self, batch: &mut Batch, work: &mut Work, sums: &mut [DVec3]) {
         let mut radiance = [Vec3::ZERO; BATCH];
         let radiance = &mut radiance[..batch.samples.len()];
-        let traversal = &mut work.traversal;
+        let query_state = &mut work.query_state;
         self.integrator
-            .radiance(&batch.samples, traversal, radiance);
+            .radiance(&batch.samples, query_state, radiance);
         for (sum, radiance) in batch.sums.iter().zip(radiance) {
             if radiance.is_finite() {
                 sums[*sum] += radiance.as_dvec3();
@@ -152,6 +153,6 @@ struct Batch {
 /// Scratch space and counters of a thread that renders a tile.
 #[derive(Default)]
 pub(super) struct Work {
-    pub(super) traversal: Traversal,
+    pub(super) query_state: QueryState,
     pub(super) non_finite: u64,
 }

@@ -19,21 +19,21 @@ const FRAMES_IN_FLIGHT: usize = 2;
 /// The result of rendering a sequence.
 #[derive(Debug, Default)]
 pub struct Outcome {
-    /// How many frames were rendered and kept.
-    pub kept: u32,
-    /// How many frames other processes kept in the meantime.
-    pub kept_by_others: u32,
-    /// The frames that were not kept, and why, by frame number.
+    /// How many frames were rendered and stored.
+    pub stored: u32,
+    /// How many frames other processes stored in the meantime.
+    pub stored_by_others: u32,
+    /// The frames that were not stored, and why, by frame number.
     pub failures: Vec<(u32, SinkError)>,
     /// Whether the observer stopped the sequence before its end; frames in flight were given up.
     pub stopped: bool,
-    /// Rays traced in all frames that were kept.
+    /// Rays traced in all frames that were stored.
     pub rays: u64,
     /// Bytes of their files.
     pub bytes: u64,
     /// Samples that were replaced by black because they were not finite.
     pub non_finite_samples: u64,
-    /// The errors of the frames that were kept and have one, by frame number.
+    /// The errors of the frames that were stored and have one, by frame number.
     pub errors: Vec<(u32, ErrorEstimate)>,
 }
 
@@ -79,20 +79,20 @@ struct RenderContext<'a, Sink> {
     pool: &'a rayon::ThreadPool,
     sink: &'a Sink,
     observer: &'a dyn RenderObserver,
-    /// Frames to render, and whether to insist on them.
+    /// Frames to render, and whether to ignore the lock of another process.
     queue: Mutex<VecDeque<(u32, bool)>>,
     outcome: Mutex<Outcome>,
 }
 
 /// What became of a frame.
 enum FrameOutcome {
-    Kept(FrameStats),
-    KeptByOthers,
+    Stored(FrameStats),
+    StoredByOthers,
     Busy,
     Stopped,
 }
 
-/// What a kept frame adds to the outcome.
+/// What a stored frame adds to the outcome.
 struct FrameStats {
     rays: u64,
     bytes: u64,
@@ -103,17 +103,17 @@ struct FrameStats {
 impl<Sink: FrameSink> RenderContext<'_, Sink> {
     /// Renders frames from the queue until it is empty.
     fn drive(&self) {
-        while let Some((frame, insists)) = self.next() {
-            let result = self.render(frame, insists);
+        while let Some((frame, ignore_lock)) = self.next() {
+            let result = self.render(frame, ignore_lock);
             match &result {
-                Ok(FrameOutcome::Kept(_)) => self.observer.frame_kept(frame),
+                Ok(FrameOutcome::Stored(_)) => self.observer.frame_stored(frame),
                 Ok(_) => {}
                 Err(error) => self.observer.frame_failed(frame, error),
             }
             let mut outcome = self.outcome.lock().expect("no holder panics");
             match result {
-                Ok(FrameOutcome::Kept(stats)) => {
-                    outcome.kept += 1;
+                Ok(FrameOutcome::Stored(stats)) => {
+                    outcome.stored += 1;
                     outcome.rays += stats.rays;
                     outcome.bytes += stats.bytes;
                     outcome.non_finite_samples += stats.non_finite_samples;
@@ -121,7 +121,7 @@ impl<Sink: FrameSink> RenderContext<'_, Sink> {
                         .errors
                         .extend(stats.error.map(|error| (frame, error)));
                 }
-                Ok(FrameOutcome::KeptByOthers) => outcome.kept_by_others += 1,
+                Ok(FrameOutcome::StoredByOthers) => outcome.stored_by_others += 1,
                 Ok(FrameOutcome::Busy) => self.queue().push_back((frame, true)),
                 Ok(FrameOutcome::Stopped) => outcome.stopped = true,
                 Err(error) => outcome.failures.push((frame, error)),
@@ -137,18 +137,18 @@ impl<Sink: FrameSink> RenderContext<'_, Sink> {
         self.queue().pop_front()
     }
 
-    fn render(&self, frame: u32, insists: bool) -> Result<FrameOutcome, SinkError> {
+    fn render(&self, frame: u32, ignore_lock: bool) -> Result<FrameOutcome, SinkError> {
         if self.observer.is_stopped() {
             return Ok(FrameOutcome::Stopped);
         }
-        let claim = self.sink.claim(frame, insists);
-        if matches!(claim, Ok(Claim::Kept) | Err(_)) {
+        let claim = self.sink.claim(frame, ignore_lock);
+        if matches!(claim, Ok(Claim::AlreadyStored) | Err(_)) {
             self.observer.frame_skipped(frame);
         }
-        let slot = match claim? {
-            Claim::Granted(slot) => slot,
+        let lock = match claim? {
+            Claim::Granted(lock) => lock,
             Claim::Busy => return Ok(FrameOutcome::Busy),
-            Claim::Kept => return Ok(FrameOutcome::KeptByOthers),
+            Claim::AlreadyStored => return Ok(FrameOutcome::StoredByOthers),
         };
         let work = || self.pool.install(|| self.encoded(frame));
         // A frame's data is dropped with its panic.
@@ -159,8 +159,8 @@ impl<Sink: FrameSink> RenderContext<'_, Sink> {
         };
         let encoded = encoded?;
         stats.bytes = encoded.bytes() as u64;
-        self.sink.keep(frame, slot, &encoded)?;
-        Ok(FrameOutcome::Kept(stats))
+        self.sink.store(frame, lock, &encoded)?;
+        Ok(FrameOutcome::Stored(stats))
     }
 
     /// A frame as the sink encodes it; none if the observer stops.
@@ -187,35 +187,38 @@ fn message(panic: &(dyn Any + Send)) -> &str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Interpolation, Keyframe, Orientation, PathTiming, Segment};
+    use crate::camera::{CameraPathTiming, Interpolation, Keyframe, Orientation, Segment};
     use crate::integrator::IntegratorSettings;
     use crate::render::{RenderSettings, RenderedFrame};
     use crate::scene::SceneBuilder;
     use glam::DVec3;
     use std::sync::atomic::{AtomicBool, Ordering};
 
-    /// Keeps the numbers of frames, and fails at some, as other processes and disks do.
+    /// Stores the numbers of frames, and fails at some, as other processes and disks do.
     #[derive(Default)]
     struct Sink {
-        kept: Mutex<Vec<u32>>,
+        stored: Mutex<Vec<u32>>,
         claims: Mutex<Vec<(u32, bool)>>,
     }
 
     const PANICS: u32 = 3;
     const CANNOT_BE_CLAIMED: u32 = 4;
-    const CANNOT_BE_KEPT: u32 = 5;
+    const CANNOT_BE_STORED: u32 = 5;
     const IS_BUSY: u32 = 1;
-    const IS_KEPT: u32 = 2;
+    const IS_STORED: u32 = 2;
 
     impl FrameSink for Sink {
-        type Slot = ();
+        type Lock = ();
 
-        fn claim(&self, frame: u32, insists: bool) -> Result<Claim<()>, SinkError> {
-            self.claims.lock().expect("whole").push((frame, insists));
+        fn claim(&self, frame: u32, ignore_lock: bool) -> Result<Claim<()>, SinkError> {
+            self.claims
+                .lock()
+                .expect("whole")
+                .push((frame, ignore_lock));
             match frame {
                 CANNOT_BE_CLAIMED => Err("no room".into()),
-                IS_BUSY if !insists => Ok(Claim::Busy),
-                IS_KEPT => Ok(Claim::Kept),
+                IS_BUSY if !ignore_lock => Ok(Claim::Busy),
+                IS_STORED => Ok(Claim::AlreadyStored),
                 _ => Ok(Claim::Granted(())),
             }
         }
@@ -223,16 +226,16 @@ mod tests {
         fn encode(&self, frame: u32, _: RenderedFrame) -> Result<EncodedFrame, SinkError> {
             assert_ne!(frame, PANICS, "as planned");
             Ok(EncodedFrame {
-                picture: Vec::new(),
+                image: Vec::new(),
                 error_map: None,
             })
         }
 
-        fn keep(&self, frame: u32, (): (), _: &EncodedFrame) -> Result<(), SinkError> {
-            if frame == CANNOT_BE_KEPT {
+        fn store(&self, frame: u32, (): (), _: &EncodedFrame) -> Result<(), SinkError> {
+            if frame == CANNOT_BE_STORED {
                 return Err("lost".into());
             }
-            self.kept.lock().expect("whole").push(frame);
+            self.stored.lock().expect("whole").push(frame);
             Ok(())
         }
     }
@@ -256,8 +259,8 @@ mod tests {
             self.stopped.load(Ordering::SeqCst)
         }
 
-        fn frame_kept(&self, frame: u32) {
-            self.note(format!("{frame} kept"));
+        fn frame_stored(&self, frame: u32) {
+            self.note(format!("{frame} stored"));
             if self.last == Some(frame) {
                 self.stopped.store(true, Ordering::SeqCst);
             }
@@ -285,7 +288,7 @@ mod tests {
             segment: Segment::of(Interpolation::Linear),
         };
         let keys = [key(0.0), key(999.0)];
-        let path = CameraPath::new(1.0, &keys, &PathTiming::BY_KEYS).expect("a path");
+        let path = CameraPath::new(1.0, &keys, &CameraPathTiming::BY_KEYS).expect("a path");
         let settings = RenderSettings::new(IntegratorSettings::Whitted { bounces: 0 }, 4, 4);
         let pool = rayon::ThreadPoolBuilder::new().build().expect("threads");
         let renderer = Renderer::new(&scene, settings, None).expect("needs no cache");
@@ -296,10 +299,10 @@ mod tests {
     fn one_frames_failure_is_not_anothers() {
         let (sink, notes) = (Sink::default(), Notes::default());
         let outcome = render(&[0, 1, 2, 3, 4, 5, 6], &sink, &notes);
-        let mut kept = sink.kept.into_inner().expect("whole");
-        kept.sort_unstable();
-        assert_eq!(kept, [0, 1, 6]);
-        assert_eq!((outcome.kept, outcome.kept_by_others), (3, 1));
+        let mut stored = sink.stored.into_inner().expect("whole");
+        stored.sort_unstable();
+        assert_eq!(stored, [0, 1, 6]);
+        assert_eq!((outcome.stored, outcome.stored_by_others), (3, 1));
         assert!(!outcome.stopped);
         let failures: Vec<String> = outcome
             .failures
@@ -316,19 +319,19 @@ mod tests {
         lines.retain(|line| !line.contains("panicked"));
         lines.sort();
         let expected = [
-            "0 kept",
-            "1 kept",
+            "0 stored",
+            "1 stored",
             "2 skipped",
             "4 failed: no room",
             "4 skipped",
             "5 failed: lost",
-            "6 kept",
+            "6 stored",
         ];
         assert_eq!(lines, expected);
     }
 
     #[test]
-    fn what_others_are_at_work_on_is_asked_for_again_and_insisted_on() {
+    fn frames_others_are_rendering_are_claimed_again_ignoring_the_lock() {
         let (sink, notes) = (Sink::default(), Notes::default());
         render(&[1, 0, 6], &sink, &notes);
         let claims = sink.claims.into_inner().expect("whole");
@@ -347,10 +350,10 @@ mod tests {
         let frames: Vec<u32> = [0].into_iter().chain(6..400).collect();
         let outcome = render(&frames, &sink, &notes);
         assert!(outcome.stopped);
-        assert!(outcome.kept < 394, "{}", outcome.kept);
+        assert!(outcome.stored < 394, "{}", outcome.stored);
         assert_eq!(
-            outcome.kept as usize,
-            sink.kept.into_inner().expect("whole").len()
+            outcome.stored as usize,
+            sink.stored.into_inner().expect("whole").len()
         );
     }
 }

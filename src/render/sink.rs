@@ -1,40 +1,40 @@
-//! Where finished frames go: claimed, encoded, kept.
+//! Where finished frames go: claimed, encoded, stored.
 
 use super::frame::RenderedFrame;
 use super::sink_error::SinkError;
 
 /// Takes finished frames, from several threads and in no fixed order.
 pub trait FrameSink: Sync {
-    /// The exclusive right to keep a frame, released when dropped.
-    type Slot: Send;
+    /// The exclusive right to store a frame, released when dropped.
+    type Lock: Send;
 
-    /// Claims a frame right before it is rendered: other processes may render the same sequence. With `insists` the
-    /// frame is granted even if another process is rendering it.
-    fn claim(&self, frame: u32, insists: bool) -> Result<Claim<Self::Slot>, SinkError>;
+    /// Claims a frame right before it is rendered: other processes may render the same sequence. With `ignore_lock`
+    /// the frame is granted even if another process is rendering it.
+    fn claim(&self, frame: u32, ignore_lock: bool) -> Result<Claim<Self::Lock>, SinkError>;
 
     /// Encodes a frame. Called on a thread of the pool: it may compute, not block.
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError>;
 
-    /// Keeps a frame. May block.
-    fn keep(&self, frame: u32, slot: Self::Slot, encoded: &EncodedFrame) -> Result<(), SinkError>;
+    /// Stores a frame. May block.
+    fn store(&self, frame: u32, lock: Self::Lock, encoded: &EncodedFrame) -> Result<(), SinkError>;
 }
 
 /// The answer to a claim.
 #[derive(Debug)]
-pub enum Claim<Slot> {
+pub enum Claim<Lock> {
     /// The frame is to be rendered.
-    Granted(Slot),
+    Granted(Lock),
     /// Another process is rendering it.
     Busy,
-    /// Another process has kept it.
-    Kept,
+    /// Another process has stored it.
+    AlreadyStored,
 }
 
 /// The files of a frame.
 #[derive(Debug)]
 pub struct EncodedFrame {
     /// The image.
-    pub picture: Vec<u8>,
+    pub image: Vec<u8>,
     /// The map of its error, if requested.
     pub error_map: Option<Vec<u8>>,
 }
@@ -42,6 +42,6 @@ pub struct EncodedFrame {
 impl EncodedFrame {
     /// Bytes of all files.
     pub fn bytes(&self) -> usize {
-        self.picture.len() + self.error_map.as_ref().map_or(0, Vec::len)
+        self.image.len() + self.error_map.as_ref().map_or(0, Vec::len)
     }
 }

@@ -1,4 +1,4 @@
-//! Why a frame could not be kept.
+//! Why a frame could not be stored.
 
-/// Why a frame could not be kept.
+/// Why a frame could not be stored.
 pub type SinkError = Box<dyn std::error::Error + Send + Sync>;

@@ -5,8 +5,8 @@ use super::measure::Measurement;
 /// The relMSE values that are advised on: noise that is just visible, and noise that is hardly so.
 pub(super) const TARGETS: [f64; 2] = [0.01, 0.001];
 
-/// The cheapest setting whose relMSE is `target` or less with every seed, in words, or what would reach it. The last argument
-/// is columns and rows of the sequence's frames.
+/// The cheapest setting whose relMSE is `target` or less with every seed, in words, or what would reach it. The last
+/// argument is columns and rows of the sequence's frames.
 pub(super) fn advice(
     measurements: &[Measurement],
     target: f64,
@@ -21,7 +21,7 @@ pub(super) fn advice(
         };
         return format!(
             "relMSE {target}: `{}`, {:.3} s per frame of {width}x{height}{baking} (measured: {:.2e}).",
-            best.flags, best.full_size_seconds, best.relative_square_error,
+            best.flags, best.full_size_seconds, best.rel_mse,
         );
     }
     let ahead = (1..measurements.len()).filter_map(|last| {
@@ -29,15 +29,14 @@ pub(super) fn advice(
         let ends_curve = measurements
             .get(last + 1)
             .is_none_or(|next| next.curve != b.curve);
-        let slope = (b.relative_square_error / a.relative_square_error).ln()
-            / (b.full_size_seconds / a.full_size_seconds).ln();
+        let slope = (b.rel_mse / a.rel_mse).ln() / (b.full_size_seconds / a.full_size_seconds).ln();
         // An error that falls no more never gets there, and adaptive sampling has a target of its own.
         let falls = b.falls_with_samples
             && a.curve == b.curve
             && ends_curve
             && slope < -0.5
-            && b.relative_square_error > 0.0;
-        let factor = (target / b.relative_square_error).powf(1.0 / slope);
+            && b.rel_mse > 0.0;
+        let factor = (target / b.rel_mse).powf(1.0 / slope);
         falls.then_some((b, b.full_size_seconds * factor))
     });
     match ahead.min_by(|a, b| a.1.total_cmp(&b.1)) {
@@ -67,7 +66,7 @@ mod tests {
             rays: 1.0,
             rays_per_second: 1.0,
             rmse: 0.0,
-            relative_square_error: error,
+            rel_mse: error,
             spread: [0.9 * error, 1.1 * error],
             own_estimate: None,
             p95_relative_error: 0.0,

@@ -14,7 +14,7 @@ use serde::Serialize;
 /// Pairs of frames, spread over the path.
 const PAIRS: u32 = 8;
 
-/// About so many tiles of [`TILE`] x [`TILE`] pixels of each pair are compared.
+/// About this many tiles of [`TILE`] x [`TILE`] pixels of each pair are compared.
 const TILES: u32 = 40;
 
 /// Seeds from here on are the references' alone, so that their noise is independent.
@@ -41,8 +41,8 @@ pub struct FlickerRow {
     pub matched: f64,
 }
 
-/// Path-traced indirect light with a seed for each frame and with the same in all; the irradiance cache; and direct light
-/// alone, whose flicker is left when indirect light has none.
+/// Path-traced indirect light with a seed for each frame and with the same in all; the irradiance cache; and direct
+/// light alone, whose flicker is left when indirect light has none.
 pub(super) const KINDS: [&str; 4] = [
     "path-traced, new seed in each frame",
     "path-traced, locked seed",
@@ -121,8 +121,8 @@ pub(super) fn flicker(
         add(locked, pair.picture(&path_traced, [0, 0]), &references);
         add(cached_light, pair.picture(&cached, own), &references);
 
-        // Ray tracing has no half buffers, so two seeds stand for them. The same indirect light is added to pictures and
-        // references: it cancels, but flicker is then relative to all light.
+        // Ray tracing has no half buffers, so two seeds stand for them. The same indirect light is added to pictures
+        // and references: it cancels, but flicker is then relative to all light.
         let direct_references = direct_references
             .each_ref()
             .map(|renderer| pair.picture(renderer, own));

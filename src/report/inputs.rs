@@ -13,7 +13,8 @@ pub struct Inputs<'a> {
     pub scene: &'a Scene,
     /// The camera path.
     pub path: &'a CameraPath,
-    /// What files and command line set for the sequence; techniques override mode, samples, splits, target error and gi.
+    /// What files and command line set for the sequence; techniques override mode, samples, splits, target error and
+    /// gi.
     pub given: Settings,
     /// A hash of the input files and of the program: references of another one are not used.
     pub fingerprint: String,

@@ -7,7 +7,7 @@ use super::seconds::Seconds;
 use super::technique::Technique;
 use crate::film::Film;
 use crate::input::Settings;
-use crate::metrics::{Difference, Estimate, Reference, mean};
+use crate::metrics::{Estimate, ImageError, Reference, mean};
 use crate::render::{RenderedFrame, Renderer};
 use serde::Serialize;
 
@@ -36,8 +36,8 @@ pub struct Measurement {
     pub rays_per_second: f64,
     /// The root of the mean square error, in units of display white.
     pub rmse: f64,
-    /// relMSE, as [`Difference::relative_square_error`] defines it.
-    pub relative_square_error: f64,
+    /// relMSE, as [`ImageError::rel_mse`] defines it.
+    pub rel_mse: f64,
     /// The least and the largest relMSE of a seed.
     pub spread: [f64; 2],
     /// relMSE as the frames estimate it, without a reference; none where there is no Monte Carlo noise.
@@ -72,24 +72,24 @@ pub(super) fn measure(
         for (frame, reference) in references {
             let camera = inputs.path.camera(*frame);
             let (rendering, seconds) = Seconds::of(|| renderer.render_frame(&camera, *frame));
-            let difference = Difference::of(&rendering.film, reference, inputs.exposure());
-            errors.push(difference.relative_square_error);
-            biases.push(difference.mean_bias);
+            let error = ImageError::of(&rendering.film, reference, inputs.exposure());
+            errors.push(error.rel_mse);
+            biases.push(error.mean_bias);
             picture.get_or_insert_with(|| rendering.film.clone());
-            all.push((rendering, seconds, difference));
+            all.push((rendering, seconds, error));
             progress.step(technique.paths() * pixels(size));
         }
         by_seed.push(mean(&errors));
         bias_by_seed.push(mean(&biases));
     }
     let picture = picture.expect("a frame and a seed");
-    let over = |of: &dyn Fn(&(RenderedFrame, Seconds, Difference)) -> f64| {
+    let over = |of: &dyn Fn(&(RenderedFrame, Seconds, ImageError)) -> f64| {
         mean(&all.iter().map(of).collect::<Vec<f64>>())
     };
     let seconds = over(&|(_, seconds, _)| seconds.wall);
     let rays = over(&|(rendering, ..)| rendering.rays as f64);
     let own = all.iter().map(|(rendering, ..)| rendering.error);
-    let own: Option<Vec<f64>> = own.map(|e| Some(e?.relative_square_error)).collect();
+    let own: Option<Vec<f64>> = own.map(|e| Some(e?.rel_mse)).collect();
     let mut mean_bias = Estimate::of(&bias_by_seed);
     let variances = references.iter().map(|(_, r)| r.error_of_mean().powi(2));
     let of_references = variances.sum::<f64>().sqrt() / references.len() as f64;
@@ -109,19 +109,17 @@ pub(super) fn measure(
         full_size_seconds: seconds * pixels(inputs.full_size()) / pixels(size) + bake_seconds,
         rays,
         rays_per_second: rays / seconds,
-        rmse: over(&|(.., difference)| difference.square_error)
-            .max(0.0)
-            .sqrt(),
-        relative_square_error: mean(&by_seed),
+        rmse: over(&|(.., error)| error.mse).max(0.0).sqrt(),
+        rel_mse: mean(&by_seed),
         spread: [
             by_seed.iter().copied().fold(f64::INFINITY, f64::min),
             by_seed.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         ],
         own_estimate: own.map(|own| mean(&own)),
-        p95_relative_error: over(&|(.., difference)| difference.p95_relative_error),
+        p95_relative_error: over(&|(.., error)| error.p95_relative_error),
         mean_bias: mean_bias.mean,
         mean_bias_interval: mean_bias.interval(inputs.seeds - 1),
-        flip: over(&|(.., difference)| difference.flip),
+        flip: over(&|(.., error)| error.flip),
     };
     (measurement, picture)
 }

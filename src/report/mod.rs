@@ -2,8 +2,8 @@
 //!
 //! A few frames are rendered by each technique of one table, with several seeds, and compared with references of known
 //! noise. Unbiased oracle estimates at pixels of full-size frames show whether a technique is biased, and pairs of
-//! consecutive frames how much it flickers. The irradiance cache is baked once, for all techniques that use it, and each of
-//! their frames is charged its part of the time.
+//! consecutive frames how much it flickers. The irradiance cache is baked once, for all techniques that use it, and
+//! each of their frames is charged its part of the time.
 
 mod advice;
 mod baked_cache;
@@ -75,7 +75,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
     let quality = |(frame, reference): &(u32, Reference)| ReferenceRow {
         size: (reference.mean().width(), reference.mean().height()),
         frame: *frame,
-        relative_square_error: reference.relative_square_error(inputs.exposure()),
+        rel_mse: reference.rel_mse(inputs.exposure()),
     };
     let full_size = inputs.full_size();
     let references: Vec<ReferenceRow> = references.iter().map(quality).collect();

@@ -18,7 +18,7 @@ pub(super) fn curves(inputs: &Inputs, measurements: &[Measurement]) -> Chart {
     for measured in measurements {
         let point = Point {
             x: measured.full_size_seconds,
-            y: measured.relative_square_error,
+            y: measured.rel_mse,
             low: measured.spread[0],
             high: measured.spread[1],
         };

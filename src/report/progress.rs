@@ -12,7 +12,7 @@ pub(super) struct Progress<'a> {
 }
 
 impl Progress<'_> {
-    /// Of a report that traces so many paths in all.
+    /// Of a report that traces `all` paths.
     pub(super) fn new(all: f64, listener: Listener<'_>) -> Progress<'_> {
         Progress {
             done: 0.0,

@@ -3,7 +3,7 @@
 use super::error::ReportError;
 use super::inputs::{Inputs, pixels};
 use super::progress::Progress;
-use crate::frames::{decode_exr, encode_exr, note_of_exr};
+use crate::frames::{decode_exr, encode_exr, read_exr_metadata};
 use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Settings};
 use crate::metrics::Reference;
 use crate::render::{RenderSettings, Renderer};
@@ -19,7 +19,7 @@ pub struct ReferenceRow {
     /// The frame.
     pub frame: u32,
     /// The estimated relMSE of the reference itself.
-    pub relative_square_error: f64,
+    pub rel_mse: f64,
 }
 
 /// Far from the seeds of what is measured, so that the noise is independent.
@@ -59,7 +59,8 @@ fn reference(inputs: &Inputs, frame: u32) -> Result<Reference, ReportError> {
     let fingerprint = blake3::hash(inputs_of_it.as_bytes()).to_string();
     let files = ["a", "b"].map(|half| folder.join(format!("frame_{frame:05}_{half}.exr")));
     let cached = files.each_ref().map(|file| {
-        let is_it = note_of_exr(file).is_ok_and(|note| note.as_deref() == Some(&*fingerprint));
+        let is_it = read_exr_metadata(file)
+            .is_ok_and(|metadata| metadata.as_deref() == Some(&*fingerprint));
         is_it
             .then(|| decode_exr(&fs::read(file).ok()?).ok())
             .flatten()
@@ -81,7 +82,7 @@ fn reference(inputs: &Inputs, frame: u32) -> Result<Reference, ReportError> {
 
 /// A warning if a reference is noisier than asked for; none if all are as good.
 pub(super) fn advice(inputs: &Inputs, references: &[ReferenceRow]) -> Option<String> {
-    let errors = references.iter().map(|row| row.relative_square_error);
+    let errors = references.iter().map(|row| row.rel_mse);
     let worst = errors.fold(0.0, f64::max);
     (worst > inputs.reference_error).then(|| {
         format!("The relMSE of a reference is {worst:.1e}: errors that are not much larger are uncertain.")

@@ -142,8 +142,8 @@ impl Technique {
         self.settings.gi == Some(GlobalIllumination::Cached)
     }
 
-    /// Whether `--target-error` can be added to the flags, and more samples reduce the error without bound: they do not reduce
-    /// the cache error.
+    /// Whether `--target-error` can be added to the flags, and more samples reduce the error without bound: they do not
+    /// reduce the cache error.
     pub(super) fn falls_with_samples(&self) -> bool {
         let targeted = Settings {
             target_error: Some(MIN_TARGET_ERROR),

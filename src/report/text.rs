@@ -25,7 +25,7 @@ pub(super) fn csv(report: &Report) -> String {
             m.rays,
             m.rays_per_second,
             m.rmse,
-            m.relative_square_error,
+            m.rel_mse,
             m.spread[0],
             m.spread[1],
         ];
@@ -103,7 +103,7 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     )?;
     for reference in &report.references {
         let (width, height) = reference.size;
-        let (frame, error) = (reference.frame, reference.relative_square_error);
+        let (frame, error) = (reference.frame, reference.rel_mse);
         writeln!(out, "| {width}x{height} | {frame} | {error:.1e} |")?;
     }
     writeln!(
@@ -204,7 +204,7 @@ fn measurements(
             m.full_size_seconds,
             1e-6 * m.rays,
             1e-6 * m.rays_per_second,
-            m.relative_square_error,
+            m.rel_mse,
             m.rmse,
             100.0 * m.p95_relative_error,
             100.0 * m.mean_bias,

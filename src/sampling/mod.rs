@@ -1,14 +1,14 @@
 //! Random and quasi-random numbers, and their warps to directions.
 //!
-//! Every number of a [`Sequence`] is a function of (seed, frame, pixel, sample, dimension), so a pixel is the same
+//! Every number of a [`SobolSequence`] is a function of (seed, frame, pixel, sample, dimension), so a pixel is the same
 //! whatever thread, order or machine renders it.
 
 mod random;
-mod sequence;
+mod sobol;
 mod van_der_corput;
 mod warp;
 
 pub use random::Random;
-pub use sequence::{MixtureChoice, Sequence};
+pub use sobol::{MixtureChoice, SobolSequence};
 pub use van_der_corput::van_der_corput_order;
 pub use warp::{cosine_hemisphere, uniform_sphere};

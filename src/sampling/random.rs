@@ -1,4 +1,4 @@
-//! A pseudo-random generator for where there is no film position to draw for: the upper bits of a linear
+//! A pseudo-random generator for tests and the self-test: the upper bits of a linear
 //! congruential generator with the constants of MMIX (Knuth, "The Art of Computer Programming", volume 2, section
 //! 3.3.4).
 

@@ -29,9 +29,9 @@ pub struct SourceMesh {
 /// The parts of a scene in world coordinates. All numbers are finite and all indices valid: input is checked before.
 #[derive(Debug, Default)]
 pub struct SceneBuilder {
-    /// The scene's ambient colour.
+    /// The ambient light, linear RGB.
     pub ambient: Vec3,
-    /// The radiance along a ray that leaves the scene.
+    /// The radiance along a ray that leaves the scene, linear RGB in W/(sr m²).
     pub background: Vec3,
     /// All materials.
     pub materials: Vec<Material>,
@@ -43,7 +43,7 @@ pub struct SceneBuilder {
     pub spheres: Vec<(Sphere, usize)>,
     /// Meshes.
     pub meshes: Vec<SourceMesh>,
-    /// The kernel that answers the scene's ray queries.
+    /// The instruction set that answers the scene's ray queries.
     pub kernel: Kernel,
 }
 
@@ -125,8 +125,8 @@ impl SceneBuilder {
         (scene, dropped)
     }
 
-    /// The median of all vertices and of the ends of spheres, axis by axis: a robust centre, so that single precision is
-    /// finest where most of the scene is, whatever lies far away.
+    /// The median of all vertices and of the ends of spheres, axis by axis: a robust centre, so that single precision
+    /// is finest where most of the scene is, whatever lies far away.
     fn origin(&self) -> DVec3 {
         let vertices = self.meshes.iter().flat_map(|m| m.positions.iter().copied());
         let spheres = self.spheres.iter().map(|(sphere, _)| sphere);
@@ -186,7 +186,7 @@ mod tests {
                 meshes: vec![mesh],
                 ..SceneBuilder::default()
             };
-            builder.build().0.features().number()
+            builder.build().0.features().index()
         };
         assert_eq!(
             [0, 1, 2, 3].map(|id| of_scene(MeshMaterial::Uniform(id))),

@@ -3,8 +3,9 @@
 //! What the renderer may assume of a [`Scene`]:
 //!
 //! - Every number is finite.
-//! - Coordinates are in metres, right-handed with +Y up, in single precision relative to [`Scene::origin`]. The origin
-//!   is the median of the geometry, so that precision is finest where most of the scene is.
+//! - Coordinates are in *scene space* (pbrt: render space): world space less [`Scene::origin`], in metres, right-handed with
+//!   +Y up, in single precision. The origin is the median of the geometry, so that precision is finest where most of the
+//!   scene is. Cameras and input are in world space, in double precision.
 //! - Every index of a vertex, a material or a texture exists.
 //! - No triangle has zero area; its geometric normal is of unit length, on the side that sees its vertices
 //!   counter-clockwise.
@@ -23,14 +24,15 @@
 
 mod builder;
 mod mesh_material;
+mod ray_offset;
 mod resolved;
 mod shadow_packet;
-mod surface;
+mod surface_interaction;
 mod surface_point;
 
 pub use builder::{SceneBuilder, SourceMesh};
 pub use mesh_material::MeshMaterial;
 pub use resolved::Scene;
 pub use shadow_packet::ShadowPacket;
-pub use surface::Surface;
+pub use surface_interaction::SurfaceInteraction;
 pub use surface_point::{SurfacePoint, SurfacePointPacket};

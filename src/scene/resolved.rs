@@ -3,7 +3,7 @@
 use super::mesh_material::MeshMaterial;
 use super::shadow_packet::ShadowPacket;
 use super::surface_point::SurfacePointPacket;
-use crate::accel::{Bvh, Traversal};
+use crate::accel::{Bvh, QueryState};
 use crate::geometry::{Hit, Mesh, Sphere, VertexIndices};
 use crate::light::PointLight;
 use crate::material::{FeatureSet, Material};
@@ -15,13 +15,13 @@ use glam::{DVec3, Vec3};
 /// Geometry, materials and lights.
 #[derive(Debug)]
 pub struct Scene {
-    /// The origin of the scene's own coordinates, in world coordinates.
+    /// The origin of scene space, in world coordinates.
     pub origin: DVec3,
     /// The lights.
     pub lights: Vec<PointLight>,
-    /// The scene's ambient colour.
+    /// The ambient light, linear RGB: of it, 0.3 stands for all bounces that are not computed.
     pub ambient: Vec3,
-    /// The radiance along a ray that leaves the scene.
+    /// The radiance along a ray that leaves the scene, linear RGB in W/(sr m²).
     pub background: Vec3,
     pub(super) meshes: Vec<Mesh>,
     pub(super) mesh_materials: Vec<MeshMaterial>,
@@ -49,8 +49,8 @@ pub(super) struct Triangle {
 
 impl Scene {
     /// The closest hit of a ray, or none.
-    pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Option<Hit> {
-        self.bvh.closest(ray, traversal)
+    pub fn closest(&self, ray: &Ray, query_state: &mut QueryState) -> Option<Hit> {
+        self.bvh.closest(ray, query_state)
     }
 
     /// The closest hit of each ray, or none; fast for coherent rays.
@@ -58,9 +58,9 @@ impl Scene {
         &self,
         rays: &[Ray],
         hits: &mut [Option<Hit>],
-        traversal: &mut Traversal,
+        query_state: &mut QueryState,
     ) {
-        self.bvh.closest_coherent(rays, hits, traversal);
+        self.bvh.closest_coherent(rays, hits, query_state);
     }
 
     /// As [`Scene::closest_coherent`], for any number of incoherent rays.
@@ -68,29 +68,29 @@ impl Scene {
         &self,
         rays: &[Ray],
         hits: &mut [Option<Hit>],
-        traversal: &mut Traversal,
+        query_state: &mut QueryState,
     ) {
-        self.bvh.closest_incoherent(rays, hits, traversal);
+        self.bvh.closest_incoherent(rays, hits, query_state);
     }
 
-    /// The shadow rays from points to a target, not yet traced.
+    /// The shadow rays from points to a target, in scene space, not yet traced.
     pub fn shadow_rays_to(&self, points: &SurfacePointPacket, target: Vec3) -> ShadowPacket {
         points.shadow_rays_to(target, self.kernel())
     }
 
     /// The mask of the rays of a packet that are occluded; fast for coherent rays.
-    pub fn occluded_coherent(&self, packet: &ShadowPacket, traversal: &mut Traversal) -> u32 {
-        self.bvh.occluded_coherent(&packet.rays, traversal)
+    pub fn occluded_coherent(&self, packet: &ShadowPacket, query_state: &mut QueryState) -> u32 {
+        self.bvh.occluded_coherent(&packet.rays, query_state)
     }
 
     /// As [`Scene::occluded_coherent`], for packets of incoherent rays.
     pub fn occluded_incoherent(
         &self,
         packets: &[ShadowPacket],
-        traversal: &mut Traversal,
+        query_state: &mut QueryState,
     ) -> Vec<u32> {
         let packets = packets.iter().map(|packet| &packet.rays);
-        self.bvh.occluded_incoherent(packets, traversal)
+        self.bvh.occluded_incoherent(packets, query_state)
     }
 
     /// The distance from a point in world coordinates to the closest surface, or none if it is not below

@@ -115,7 +115,7 @@ impl WithSimd for ShadowRays<'_> {
 mod tests {
     use super::super::surface_point::SurfacePoint;
     use super::*;
-    use crate::accel::{Bvh, Traversal};
+    use crate::accel::{Bvh, QueryState};
     use crate::sampling::Random;
 
     /// Shadow rays of sixteen points or fewer, by hand; with every kernel the same bits; and what occludes
@@ -130,7 +130,7 @@ mod tests {
                 .map(|k| Bvh::new(triangles, vec![], k));
             let bvhs: Vec<Bvh> = bvhs.collect();
             assert_eq!(bvhs[0].has_tree(), count != 9);
-            let mut traversal = Traversal::default();
+            let mut query_state = QueryState::default();
             for round in 0..200 {
                 let target = random.vector(2.0);
                 // Coherent in half of the rounds, all over the scene in the others.
@@ -162,9 +162,9 @@ mod tests {
                 assert!(packets[0].facing() < 1 << listed.len());
                 for (bvh, packet) in bvhs.iter().zip(&packets) {
                     assert_eq!(packet.facing(), packets[0].facing());
-                    let occluded = bvh.occluded_coherent(&packet.rays, &mut traversal);
+                    let occluded = bvh.occluded_coherent(&packet.rays, &mut query_state);
                     let one = [&packet.rays].into_iter();
-                    assert_eq!(bvh.occluded_incoherent(one, &mut traversal), [occluded]);
+                    assert_eq!(bvh.occluded_incoherent(one, &mut query_state), [occluded]);
                     for lane in packet.rays.active_lanes() {
                         let (ray, same) = (packet.rays.ray(lane), packets[0].rays.ray(lane));
                         assert_eq!(format!("{ray:?}"), format!("{same:?}"));
@@ -177,7 +177,7 @@ mod tests {
                         assert!((cosine - packet.cosine(lane)).abs() < 1e-6);
                         assert_eq!(
                             occluded >> lane & 1 != 0,
-                            bvh.occluded(&ray, &mut traversal)
+                            bvh.occluded(&ray, &mut query_state)
                         );
                     }
                 }

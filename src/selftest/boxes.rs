@@ -1,6 +1,6 @@
 //! Hits of the BVH against brute force in double precision.
 
-use crate::accel::{Bvh, Traversal, disagreement};
+use crate::accel::{Bvh, QueryState, disagreement};
 use crate::geometry::Sphere;
 use crate::math::Ray;
 use crate::sampling::Random;
@@ -13,7 +13,7 @@ fn wrong_hits(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray], kernel:
     let bvh = Bvh::new(triangles, spheres.to_vec(), kernel);
     let wrong = rays.par_chunks(1000).map(|rays| {
         let mut hits = vec![None; rays.len()];
-        bvh.closest_incoherent(rays, &mut hits, &mut Traversal::default());
+        bvh.closest_incoherent(rays, &mut hits, &mut QueryState::default());
         let differs =
             |(ray, hit): &(&Ray, Option<_>)| disagreement(triangles, spheres, ray, *hit).is_some();
         rays.iter().zip(hits).filter(differs).count()

@@ -2,9 +2,9 @@
 
 use super::fixtures::{first_hits, ray_in, sine, worse};
 use super::shapes::Polyhedron;
-use crate::accel::{Bvh, Traversal};
+use crate::accel::{Bvh, QueryState};
 use crate::geometry::{Mesh, Transform};
-use crate::material::{Material, Only};
+use crate::material::{FeatureMask, Material};
 use crate::math::Ray;
 use crate::sampling::Random;
 use crate::scene::SceneBuilder;
@@ -15,7 +15,7 @@ use glam::{DVec3, Vec3};
 /// whose vertices coincide or are collinear: none of them hits anything.
 pub(super) fn edge_on(kernel: Kernel) -> f64 {
     let mut random = Random::new(2);
-    let mut traversal = Traversal::default();
+    let mut query_state = QueryState::default();
     let mut hits = 0;
     for _ in 0..2000 {
         let mut integers = || DVec3::from_array([0; 3].map(|_| random.whole(9) as f64));
@@ -42,7 +42,7 @@ pub(super) fn edge_on(kernel: Kernel) -> f64 {
                     vertex + u - 3.0 * direction,
                 ] {
                     let ray = Ray::new(start.as_vec3(), direction.as_vec3());
-                    hits += usize::from(bvh.closest(&ray, &mut traversal).is_some());
+                    hits += usize::from(bvh.closest(&ray, &mut query_state).is_some());
                 }
             }
         }
@@ -50,7 +50,7 @@ pub(super) fn edge_on(kernel: Kernel) -> f64 {
             let start = vertex + 20.0 * random.point();
             let target = vertex + f64::from(3.0 * random.unit()) * u;
             let ray = Ray::new(start.as_vec3(), (target - start).as_vec3());
-            hits += usize::from(collinear.closest(&ray, &mut traversal).is_some());
+            hits += usize::from(collinear.closest(&ray, &mut query_state).is_some());
         }
     }
     hits as f64
@@ -73,7 +73,7 @@ pub(super) fn slivers(kernel: Kernel) -> f64 {
         faces: vec![[0, 1, 2], [0, 2, 3], [0, 3, 4], [5, 6, 1], [5, 1, 0]],
     };
     let mut random = Random::new(3);
-    let mut traversal = Traversal::default();
+    let mut query_state = QueryState::default();
     let mut misses = 0;
     for scale in [1e-6, 1.0, 1e6] {
         for angle in [0.0, 0.7] {
@@ -92,7 +92,7 @@ pub(super) fn slivers(kernel: Kernel) -> f64 {
                 let start = target + random.point() + 1.5 * DVec3::Z;
                 let [start, target] = [start, target].map(|p| transform.point(p).as_vec3());
                 let ray = Ray::new(start, target - start);
-                misses += usize::from(bvh.closest(&ray, &mut traversal).is_none());
+                misses += usize::from(bvh.closest(&ray, &mut query_state).is_none());
             }
         }
     }
@@ -140,7 +140,7 @@ pub(super) fn coincident(kernel: Kernel) -> f64 {
         Vec3::new(0.1, 1.0, -2.0),
     ];
     let mut random = Random::new(6);
-    let mut traversal = Traversal::default();
+    let mut query_state = QueryState::default();
     let mut others = 0;
     for (count, size, rays) in [
         (100_000, 1.0, 10),
@@ -158,7 +158,7 @@ pub(super) fn coincident(kernel: Kernel) -> f64 {
             let origin = target + 2.0 * (random.vector(0.5) + Vec3::Z).normalize();
             let mut ray = Ray::new(origin, target - origin);
             for expected in [0, 1] {
-                let first = bvh.closest(&ray, &mut traversal).map(|hit| hit.primitive);
+                let first = bvh.closest(&ray, &mut query_state).map(|hit| hit.primitive);
                 others += usize::from(first != Some(expected));
                 ray.exclude = 0;
             }
@@ -201,7 +201,10 @@ pub(super) fn without_area(kernel: Kernel) -> f64 {
     let ray = ray_in(&scene, DVec3::new(0.2, 0.2, 1.0), DVec3::NEG_Z);
     match first_hits(&scene, &[ray])[0] {
         Some(hit) => {
-            let normal = scene.surface::<Only<0>>(&ray, &hit).point.shading_normal;
+            let normal = scene
+                .surface::<FeatureMask<0>>(&ray, &hit)
+                .point
+                .shading_normal;
             wrong += usize::from(normal != Vec3::Z);
         }
         None => wrong += 1,

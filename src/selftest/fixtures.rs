@@ -1,7 +1,7 @@
 //! Shared by the cases: cameras, lights, materials, scenes, renderers and error measures.
 
 use super::shapes::Polyhedron;
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::camera::Camera;
 use crate::geometry::Hit;
 use crate::integrator::{CameraSample, Integrator, IntegratorSettings};
@@ -9,7 +9,7 @@ use crate::light::{Falloff, PointLight};
 use crate::material::Material;
 use crate::math::Ray;
 use crate::render::{RenderSettings, Renderer};
-use crate::sampling::Sequence;
+use crate::sampling::SobolSequence;
 use crate::scene::{Scene, SceneBuilder};
 use crate::simd::Kernel;
 use glam::{DVec3, Vec3};
@@ -57,7 +57,7 @@ pub(super) fn ray_in(scene: &Scene, eye: DVec3, direction: DVec3) -> Ray {
 /// The closest hits of incoherent rays.
 pub(super) fn first_hits(scene: &Scene, rays: &[Ray]) -> Vec<Option<Hit>> {
     let mut hits = vec![None; rays.len()];
-    scene.closest_incoherent(rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(rays, &mut hits, &mut QueryState::default());
     hits
 }
 
@@ -93,11 +93,11 @@ pub(super) fn integrator<'a>(scene: &'a Scene, settings: &IntegratorSettings) ->
 pub(super) fn radiance_along(integrator: &Integrator, eye: DVec3, direction: DVec3) -> Vec3 {
     let sample = CameraSample {
         ray: ray_in(integrator.scene(), eye, direction),
-        sequence: Sequence::new(0, 0, 0, 0),
+        sequence: SobolSequence::new(0, 0, 0, 0),
         index: 0,
     };
     let mut radiance = [Vec3::ZERO];
-    integrator.radiance(&[sample], &mut Traversal::default(), &mut radiance);
+    integrator.radiance(&[sample], &mut QueryState::default(), &mut radiance);
     radiance[0]
 }
 

@@ -1,7 +1,7 @@
 //! Sphere intersections against exact integer arithmetic.
 
 use super::fixtures::{DIRECT, camera_at, lamp, renderer, worse};
-use crate::accel::{Bvh, Traversal};
+use crate::accel::{Bvh, QueryState};
 use crate::camera::Camera;
 use crate::geometry::Sphere;
 use crate::material::Material;
@@ -62,7 +62,7 @@ fn point(integers: [i64; 3]) -> DVec3 {
 /// surface itself, and from 1 to 1e6 radii away; of 4e-6 to 1e12 m; one sphere alone, and in a BVH with others.
 fn against_exact(kernel: Kernel) -> (usize, f64) {
     let mut random = Random::new(1);
-    let mut traversal = Traversal::default();
+    let mut query_state = QueryState::default();
     let (mut wrong, mut worst) = (0, 0.0_f64);
     for ratio in [0, 1, 2, 10, 1000, 10_000, 1_000_000] {
         let radius = (4_000_000 / ratio.max(1)).min(700_000);
@@ -91,7 +91,7 @@ fn against_exact(kernel: Kernel) -> (usize, f64) {
                         continue;
                     }
                     let line = IntegerLine { from, direction };
-                    let found = bvh.closest(&line.ray(center, scale), &mut traversal);
+                    let found = bvh.closest(&line.ray(center, scale), &mut query_state);
                     let found = found.map(|hit| hit.t / scale);
                     match (found, line.first(radius)) {
                         (Some(t), Some(exact)) => {
@@ -118,7 +118,7 @@ pub(super) fn distances(kernel: Kernel) -> f64 {
 /// Rays whose line passes the centre at y = r (1 + k 2^-23), k from -4 to 4. Where k <= 0 they hit the sphere, half a
 /// chord of sqrt(r^2 - y^2) before the middle of the chord.
 pub(super) fn tangents(kernel: Kernel) -> f64 {
-    let mut traversal = Traversal::default();
+    let mut query_state = QueryState::default();
     let mut worst: f64 = 0.0;
     for exponent in -20..=20 {
         let radius = 2.0_f32.powi(exponent);
@@ -127,7 +127,7 @@ pub(super) fn tangents(kernel: Kernel) -> f64 {
             let y = radius * (1.0 + ulps as f32 * f32::EPSILON);
             for away in [2.0, 1e3, 1e6] {
                 let start = Vec3::new(-away * radius, y, 0.0);
-                let hit = bvh.closest(&Ray::new(start, Vec3::X), &mut traversal);
+                let hit = bvh.closest(&Ray::new(start, Vec3::X), &mut query_state);
                 let (exact_radius, y) = (f64::from(radius), f64::from(y));
                 let squared = (exact_radius - y) * (exact_radius + y);
                 worst = worse(
@@ -153,7 +153,7 @@ pub(super) fn tangents(kernel: Kernel) -> f64 {
 pub(super) fn concentric(kernel: Kernel) -> f64 {
     const RADII: [i64; 2] = [10_000, 10_001];
     let mut random = Random::new(2);
-    let mut traversal = Traversal::default();
+    let mut query_state = QueryState::default();
     let mut wrong = 0;
     for outer in [0, 1] {
         let radii = [RADII[1 - outer], RADII[outer]];
@@ -180,7 +180,7 @@ pub(super) fn concentric(kernel: Kernel) -> f64 {
                 [None, Some(_)] => Some(1),
                 [None, None] => None,
             };
-            let found = bvh.closest(&line.ray([0; 3], 1.0), &mut traversal);
+            let found = bvh.closest(&line.ray([0; 3], 1.0), &mut query_state);
             wrong += usize::from(found.map(|hit| hit.primitive) != expected);
         }
     }

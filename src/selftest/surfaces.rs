@@ -3,7 +3,7 @@
 use super::fixtures::{DIRECT, first_hits, integrator, lamp, radiance_along, ray_in, white_scene};
 use super::shapes::Polyhedron;
 use crate::geometry::{Hit, Sphere, Transform};
-use crate::material::{Material, Only};
+use crate::material::{FeatureMask, Material};
 use crate::math::{NO_PRIMITIVE, Ray, to_world};
 use crate::sampling::{Random, cosine_hemisphere};
 use crate::scene::{Scene, SceneBuilder, SurfacePoint};
@@ -30,7 +30,9 @@ fn random_rays_from_hits(scene: &Scene, rays: &[Ray], random: &mut Random) -> Ve
         .zip(hits)
         .filter_map(|(ray, hit)| Some((ray, hit?)));
     found
-        .map(|(ray, hit)| random_ray_from(&scene.surface::<Only<0>>(ray, &hit).point, random))
+        .map(|(ray, hit)| {
+            random_ray_from(&scene.surface::<FeatureMask<0>>(ray, &hit).point, random)
+        })
         .collect()
 }
 
@@ -122,7 +124,7 @@ pub(super) fn leaving_spheres(kernel: Kernel) -> f64 {
                     let Some(hit) = hit.filter(|hit| hit.primitive == 0) else {
                         continue;
                     };
-                    let point = scene.surface::<Only<0>>(ray, &hit).point;
+                    let point = scene.surface::<FeatureMask<0>>(ray, &hit).point;
                     let spawned = random_ray_from(&point, &mut random);
                     let cos = f64::from(spawned.direction.dot(point.geometric_normal));
                     let is_inside = distance < 1.0;

@@ -2,7 +2,7 @@
 
 use super::fixtures::{first_hits, ray_in, worse};
 use crate::geometry::Sphere;
-use crate::material::{Material, Only};
+use crate::material::{FeatureMask, Material};
 use crate::math::color::srgb_to_linear;
 use crate::sampling::Random;
 use crate::scene::{MeshMaterial, SceneBuilder, SourceMesh};
@@ -139,7 +139,7 @@ pub(super) fn poles_and_seam(kernel: Kernel) -> f64 {
             0.5 + normal.x.atan2(normal.z) / TAU,
             0.5 + normal.y.asin() / PI,
         );
-        let found = scene.surface::<Only<1>>(&ray, &hit).reflectance.diffuse;
+        let found = scene.surface::<FeatureMask<1>>(&ray, &hit).bsdf.diffuse;
         // At the pole itself u is undefined, and any colour of the pole's row is right.
         if DVec2::new(normal.x, normal.z).length() > 1e-9 {
             worst = worse(worst, error(found, reference.color(uv)));
@@ -195,7 +195,7 @@ pub(super) fn equal_vertices(kernel: Kernel) -> f64 {
             let point = scene.origin + ray.at(hit.t);
             let [a, b, c] = uvs.map(|uv| uv.as_dvec2());
             let exact = a + point.x * (b - a) + point.y * (c - a);
-            let found = scene.surface::<Only<1>>(&ray, &hit).reflectance.diffuse;
+            let found = scene.surface::<FeatureMask<1>>(&ray, &hit).bsdf.diffuse;
             worst = worse(worst, error(found, reference.color(exact)));
         }
     }

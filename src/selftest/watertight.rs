@@ -3,9 +3,9 @@
 
 use super::fixtures::{first_hits, sine, white_scene, worse};
 use super::shapes::Polyhedron;
-use crate::accel::{Bvh, SAME_DISTANCE, Traversal};
+use crate::accel::{Bvh, DISTANCE_TOLERANCE, QueryState};
 use crate::geometry::Transform;
-use crate::material::Only;
+use crate::material::FeatureMask;
 use crate::math::Ray;
 use crate::sampling::Random;
 use crate::simd::Kernel;
@@ -18,12 +18,12 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 pub(super) fn vertices_and_edges(kernel: Kernel) -> f64 {
     let mut random = Random::new(1);
     let mut wrong = 0;
-    let mut traversal = Traversal::default();
+    let mut query_state = QueryState::default();
     let mut check = |bvh: &Bvh, reversed: &Bvh, ray: &Ray, expected: f64| {
-        let [one, other] = [bvh, reversed].map(|bvh| bvh.closest(ray, &mut traversal));
+        let [one, other] = [bvh, reversed].map(|bvh| bvh.closest(ray, &mut query_state));
         let is_right = match (one, other) {
             (Some(one), Some(other)) => {
-                let differs = (one.t - other.t).abs() > SAME_DISTANCE * expected;
+                let differs = (one.t - other.t).abs() > DISTANCE_TOLERANCE * expected;
                 (one.t - expected).abs() <= 1e-6 * expected && !differs
             }
             _ => false,
@@ -95,10 +95,10 @@ pub(super) fn closed_mesh(kernel: Kernel) -> f64 {
         let place = |p: DVec3| p * scale + DVec3::splat(shift);
         let triangles = mesh.moved(place).triangles();
         let bvh = Bvh::new(&triangles, vec![], kernel);
-        let mut traversal = Traversal::default();
+        let mut query_state = QueryState::default();
         let rays = rays_to_edges(&triangles, |p| place(p).as_vec3());
         escapes += rays
-            .filter(|ray| bvh.closest(ray, &mut traversal).is_none())
+            .filter(|ray| bvh.closest(ray, &mut query_state).is_none())
             .count();
     }
     escapes as f64
@@ -184,7 +184,10 @@ pub(super) fn scaled_unevenly(kernel: Kernel) -> f64 {
                 let Some(hit) = hit else { return 1.0 };
                 let vertices = mesh.faces[hit.primitive as usize];
                 let [a, b, c] = vertices.map(|vertex| relative.vertices[vertex as usize]);
-                let normal = scene.surface::<Only<0>>(ray, &hit).point.geometric_normal;
+                let normal = scene
+                    .surface::<FeatureMask<0>>(ray, &hit)
+                    .point
+                    .geometric_normal;
                 worst = worse(worst, sine(normal, (b - a).cross(c - a)));
                 let is_on_the_viewers_side = normal.dot(ray.direction) < 0.0;
                 worst = worse(worst, f64::from(u8::from(!is_on_the_viewers_side)));

@@ -31,17 +31,17 @@ impl PartFile {
                 Opened::Locked(part) => return Ok(Some(part)),
                 Opened::Busy => return Ok(None),
                 Opened::Gone => {}
-                Opened::Lockless(_) => return PartFile::own(target).map(Some),
+                Opened::Lockless(_) => return PartFile::create_unique(target).map(Some),
             }
         }
     }
 
-    /// As [`PartFile::claim`], but waits for another writer, `at_most` this long as it may hang.
-    pub fn claim_in_turn(target: &Path, at_most: Duration) -> io::Result<Option<PartFile>> {
+    /// As [`PartFile::claim`], but waits up to `timeout` for another writer, which may hang.
+    pub fn lock_with_timeout(target: &Path, timeout: Duration) -> io::Result<Option<PartFile>> {
         let start = Instant::now();
         loop {
             let claim = PartFile::claim(target)?;
-            if claim.is_some() || start.elapsed() >= at_most {
+            if claim.is_some() || start.elapsed() >= timeout {
                 return Ok(claim);
             }
             sleep(Duration::from_millis(20));
@@ -49,7 +49,7 @@ impl PartFile {
     }
 
     /// A part file of `target` under a random name, which no other writer shares.
-    pub fn own(target: &Path) -> io::Result<PartFile> {
+    pub fn create_unique(target: &Path) -> io::Result<PartFile> {
         loop {
             // The standard library's hashes begin with random keys.
             let number = RandomState::new().build_hasher().finish();
@@ -76,16 +76,16 @@ impl PartFile {
             target: target.to_owned(),
         };
         match part.file.try_lock() {
-            Ok(()) if !part.has_its_name() => Ok(part.forget(Opened::Gone)),
+            Ok(()) if !part.is_still_linked() => Ok(part.release_without_removing(Opened::Gone)),
             Ok(()) => Ok(Opened::Locked(part)),
-            Err(TryLockError::WouldBlock) => Ok(part.forget(Opened::Busy)),
+            Err(TryLockError::WouldBlock) => Ok(part.release_without_removing(Opened::Busy)),
             Err(TryLockError::Error(_)) => Ok(Opened::Lockless(part)),
         }
     }
 
     /// Whether the open file is still the one of this name: it may have been finished or removed before the lock was
     /// held.
-    fn has_its_name(&self) -> bool {
+    fn is_still_linked(&self) -> bool {
         let open = self.file.metadata();
         let named = fs::metadata(&self.part);
         let same = |(a, b): (fs::Metadata, fs::Metadata)| (a.dev(), a.ino()) == (b.dev(), b.ino());
@@ -93,12 +93,12 @@ impl PartFile {
     }
 
     /// Leaves the file in place, as it belongs to another process.
-    fn forget(mut self, instead: Opened) -> Opened {
+    fn release_without_removing(mut self, instead: Opened) -> Opened {
         self.part.clear();
         instead
     }
 
-    /// Reserves disk space for so many bytes, where the file system supports it.
+    /// Reserves `bytes` of disk space, where the file system supports it.
     pub fn reserve(&self, bytes: u64) -> io::Result<()> {
         use rustix::fs::{FallocateFlags, fallocate};
         use rustix::io::Errno;
@@ -108,7 +108,8 @@ impl PartFile {
         }
     }
 
-    /// Writes the whole file, syncs it to disk and renames it to its target: atomic even if the machine stops meanwhile.
+    /// Writes the whole file, syncs it to disk and renames it to its target: atomic even if the machine stops
+    /// meanwhile.
     pub fn finish(mut self, bytes: &[u8]) -> io::Result<()> {
         self.file.write_all(bytes)?;
         self.file.set_len(bytes.len() as u64)?;
@@ -163,12 +164,12 @@ pub(crate) fn remove_leftovers(folder: &Path, names: &[&str]) -> io::Result<()> 
 
 /// Writes a file atomically: it exists whole or not at all, even if the machine stops meanwhile.
 pub fn write_atomic(file: &Path, bytes: &[u8]) -> io::Result<()> {
-    PartFile::own(file)?.finish(bytes)
+    PartFile::create_unique(file)?.finish(bytes)
 }
 
 /// Checks that a file can be written, by creating a part file and removing it: call it before long work.
 pub fn check_writable(file: &Path) -> io::Result<()> {
-    PartFile::own(file).map(drop)
+    PartFile::create_unique(file).map(drop)
 }
 
 #[cfg(test)]
@@ -183,8 +184,8 @@ mod tests {
         let claim = || PartFile::claim(&target).expect("can be written");
         let mine = claim().expect("free");
         assert!(claim().is_none());
-        let insisted = PartFile::own(&target).expect("always");
-        insisted.finish(b"theirs").expect("written");
+        let unique = PartFile::create_unique(&target).expect("always");
+        unique.finish(b"theirs").expect("written");
         assert!(claim().is_none());
         mine.finish(b"mine").expect("written");
         assert_eq!(fs::read(&target).expect("there"), b"mine");
@@ -221,8 +222,8 @@ mod tests {
         assert_eq!(fs::read(&target).expect("there"), b"short");
     }
 
-    /// Many threads claim one file, then finish or drop it: the target is always whole. Each goes on until it has had the
-    /// claim so many times, however long another thread that holds it waits for a core.
+    /// Many threads claim one file, then finish or drop it: the target is always whole. Each goes on until it has had
+    /// the claim 50 times, however long another thread that holds it waits for a core.
     #[test]
     fn racing_writers_never_mix() {
         let folder = tempfile::tempdir().expect("a folder");

@@ -9,14 +9,14 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::accel::Traversal;
+use flythrough::accel::QueryState;
 use flythrough::camera::Camera;
 use flythrough::camera_formats::load_camera_path;
 use flythrough::input::{InputFiles, Settings, load_scene};
-use flythrough::material::Only;
+use flythrough::material::FeatureMask;
 use flythrough::math::Ray;
 use flythrough::render::{RenderSettings, Renderer};
-use flythrough::sampling::Sequence;
+use flythrough::sampling::SobolSequence;
 use flythrough::scene::{Scene, ShadowPacket, SurfacePointPacket};
 use flythrough::simd::PACKET_WIDTH;
 use glam::DVec2;
@@ -188,14 +188,14 @@ fn beside_its_rays(name: &str, frame: &Frame) {
     let count: usize = tiles.iter().flatten().map(of_packet).sum();
     let seconds = median(|| {
         tiles.par_iter().for_each(|packets| {
-            let mut traversal = Traversal::default();
+            let mut query_state = QueryState::default();
             for (rays, shadow_packets) in packets {
                 let mut hits = [None; PACKET_WIDTH];
                 let scene = &frame.scene;
-                scene.closest_coherent(rays, &mut hits, &mut traversal);
+                scene.closest_coherent(rays, &mut hits, &mut query_state);
                 std::hint::black_box(hits);
                 for shadow_packet in shadow_packets {
-                    std::hint::black_box(scene.occluded_coherent(shadow_packet, &mut traversal));
+                    std::hint::black_box(scene.occluded_coherent(shadow_packet, &mut query_state));
                 }
             }
         });
@@ -223,14 +223,14 @@ fn tiles(frame: &Frame) -> Vec<Vec<(Vec<Ray>, Vec<ShadowPacket>)>> {
     let tile = |number: u32| {
         let corner = (number % columns * TILE, number / columns * TILE);
         let mut packets = Vec::new();
-        let mut traversal = Traversal::default();
+        let mut query_state = QueryState::default();
         // Two by two pixels of four samples each.
         for block in 0..TILE * TILE / 4 {
             let mut rays = Vec::with_capacity(PACKET_WIDTH);
             for i in 0..PACKET_WIDTH as u32 {
                 let x = corner.0 + block % (TILE / 2) * 2 + i / 4 % 2;
                 let y = corner.1 + block / (TILE / 2) * 2 + i / 8;
-                let sequence = Sequence::new(frame.settings.seed, frame.number, x, y);
+                let sequence = SobolSequence::new(frame.settings.seed, frame.number, x, y);
                 let [u, v] = sequence.sample_2d(i % 4, 0);
                 let film = DVec2::new((x as f32 + u).into(), (y as f32 + v).into());
                 rays.push(camera_rays.through(film));
@@ -238,11 +238,11 @@ fn tiles(frame: &Frame) -> Vec<Vec<(Vec<Ray>, Vec<ShadowPacket>)>> {
             let mut hits = [None; PACKET_WIDTH];
             frame
                 .scene
-                .closest_coherent(&rays, &mut hits, &mut traversal);
+                .closest_coherent(&rays, &mut hits, &mut query_state);
             let mut points = SurfacePointPacket::default();
             for (ray, hit) in rays.iter().zip(&hits) {
                 if let Some(hit) = hit {
-                    points.push(&frame.scene.surface::<Only<0>>(ray, hit).point);
+                    points.push(&frame.scene.surface::<FeatureMask<0>>(ray, hit).point);
                 }
             }
             let lights = frame.scene.lights.iter();

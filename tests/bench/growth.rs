@@ -9,9 +9,9 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::accel::{Bvh, Traversal};
+use flythrough::accel::{Bvh, QueryState};
 use flythrough::math::Ray;
-use flythrough::sampling::Sequence;
+use flythrough::sampling::SobolSequence;
 use flythrough::simd::Kernel;
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
@@ -27,10 +27,10 @@ fn main() {
         let start = Instant::now();
         let bvh = Bvh::new(&triangles, vec![], Kernel::default());
         let build = start.elapsed().as_secs_f64();
-        let mut traversal = Traversal::default();
+        let mut query_state = QueryState::default();
         let seconds = (0..3).fold(f64::INFINITY, |least, _| {
             let start = Instant::now();
-            let hits = rays.iter().filter_map(|r| bvh.closest(r, &mut traversal));
+            let hits = rays.iter().filter_map(|r| bvh.closest(r, &mut query_state));
             assert_eq!(hits.count(), rays.len());
             least.min(start.elapsed().as_secs_f64())
         });
@@ -77,7 +77,7 @@ fn scene(count: usize) -> Vec<[Vec3; 3]> {
 
 /// From between the surfaces.
 fn ray(index: u32) -> Ray {
-    let sequence = Sequence::new(1, 0, 0, 0);
+    let sequence = SobolSequence::new(1, 0, 0, 0);
     let direction = |pair: u32| {
         let [u, v] = sequence.sample_2d(index, pair);
         let (z, phi) = (2.0 * u - 1.0, TAU * v);

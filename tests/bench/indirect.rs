@@ -59,7 +59,7 @@ fn main() {
     let start = Instant::now();
     let mut state = BakeState::new(&scene, bounces, path_traced.seed, 0);
     let size = (path_traced.width, path_traced.height);
-    state.add_path(&scene, &path, "path", size, &|_, _| ());
+    state.add_camera_path(&scene, &path, "path", size, &|_, _| ());
     let cache = state.irradiance_cache();
     let baked = start.elapsed().as_secs_f64();
     let [primary, secondary] = cache.record_count();

@@ -3,7 +3,7 @@
 #![allow(clippy::print_stdout, reason = "talking to the user is its job")]
 
 use flythrough::camera::{
-    Camera, CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment, Speed,
+    Camera, CameraPath, CameraPathTiming, Interpolation, Keyframe, Orientation, Segment, Speed,
 };
 use glam::{DQuat, DVec3};
 use std::time::Instant;
@@ -77,7 +77,7 @@ fn uniform(time: f64) -> DVec3 {
 }
 
 /// The largest jump of the angular velocity at a key, as a fraction of its mean.
-fn turn_jump(timing: &PathTiming) -> f64 {
+fn turn_jump(timing: &CameraPathTiming) -> f64 {
     const FPS: f64 = 240_000.0;
     let path = CameraPath::new(FPS, &keys(), timing).unwrap();
     let turn = |from: u32, to: u32| {
@@ -103,9 +103,9 @@ fn turn_jump(timing: &PathTiming) -> f64 {
 
 fn main() {
     let times: Vec<f64> = (0..6).map(time_of).collect();
-    let constant = PathTiming {
+    let constant = CameraPathTiming {
         speed: Speed::Constant,
-        ..PathTiming::BY_KEYS
+        ..CameraPathTiming::BY_KEYS
     };
     println!("6 uneven keys, 300 frames              largest/smallest step   frames backward");
     let others: Vec<DVec3> = (0..300)
@@ -113,7 +113,7 @@ fn main() {
         .collect();
     let mut rows = vec![("uniform Catmull-Rom, as elsewhere", others, times)];
     for (name, timing) in [
-        ("speed: by_keys", PathTiming::BY_KEYS),
+        ("speed: by_keys", CameraPathTiming::BY_KEYS),
         ("speed: constant", constant),
     ] {
         let path = CameraPath::new(24.0, &keys(), &timing).unwrap();
@@ -127,7 +127,10 @@ fn main() {
         let (ratio, backward) = steps(&positions, &keys);
         println!("{name:<38} {ratio:>21.4} {backward:>17}");
     }
-    for (name, timing) in [("by_keys", PathTiming::BY_KEYS), ("constant", constant)] {
+    for (name, timing) in [
+        ("by_keys", CameraPathTiming::BY_KEYS),
+        ("constant", constant),
+    ] {
         let jump = 100.0 * turn_jump(&timing);
         println!("angular velocity at keys, {name:<8}      jumps by {jump:.4} % of its mean");
     }
@@ -137,7 +140,7 @@ fn main() {
         field_of_view: degrees.to_radians(),
         ..keys()[0]
     });
-    let zoom = CameraPath::new(24.0, &zoom, &PathTiming::BY_KEYS).unwrap();
+    let zoom = CameraPath::new(24.0, &zoom, &CameraPathTiming::BY_KEYS).unwrap();
     let sizes: Vec<f64> = cameras(&zoom)
         .iter()
         .map(|camera| camera.half_height)
@@ -161,7 +164,10 @@ fn main() {
             }
         })
         .collect();
-    for (name, timing) in [("by_keys", PathTiming::BY_KEYS), ("constant", constant)] {
+    for (name, timing) in [
+        ("by_keys", CameraPathTiming::BY_KEYS),
+        ("constant", constant),
+    ] {
         let start = Instant::now();
         let path = CameraPath::new(24.0, &many, &timing).unwrap();
         let frames = path.timeline().frame_count();

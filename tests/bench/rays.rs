@@ -16,7 +16,7 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::accel::{Bvh, RayPacket, Traversal};
+use flythrough::accel::{Bvh, QueryState, RayPacket};
 use flythrough::math::Ray;
 use flythrough::simd::{Kernel, PACKET_WIDTH};
 use glam::Vec3;
@@ -106,11 +106,11 @@ fn measure(scene: &Path, embree: &Embree) {
                 ..Ray::new(Vec3::from_slice(&r), Vec3::from_slice(&r[3..]))
             })
             .collect();
-        let (single, sum) = rate(&rays, |rays, traversal| {
-            one_by_one(&bvh, set, rays, traversal)
+        let (single, sum) = rate(&rays, |rays, query_state| {
+            one_by_one(&bvh, set, rays, query_state)
         });
-        let (packets, same) = rate(&rays, |rays, traversal| {
-            in_packets(&bvh, set, rays, traversal)
+        let (packets, same) = rate(&rays, |rays, query_state| {
+            in_packets(&bvh, set, rays, query_state)
         });
         assert_eq!(sum, same, "packets find what single rays find");
         let theirs = embree.get(&(name.clone(), set.to_string()));
@@ -131,27 +131,27 @@ fn is_shadow(set: &str) -> bool {
     set.starts_with("shadow")
 }
 
-fn one_by_one(bvh: &Bvh, set: &str, rays: &[Ray], traversal: &mut Traversal) -> f64 {
+fn one_by_one(bvh: &Bvh, set: &str, rays: &[Ray], query_state: &mut QueryState) -> f64 {
     let mut sum = 0.0;
     for ray in rays {
         if is_shadow(set) {
-            sum += f64::from(u8::from(bvh.occluded(ray, traversal)));
-        } else if let Some(hit) = bvh.closest(ray, traversal) {
+            sum += f64::from(u8::from(bvh.occluded(ray, query_state)));
+        } else if let Some(hit) = bvh.closest(ray, query_state) {
             sum += hit.t;
         }
     }
     sum
 }
 
-fn in_packets(bvh: &Bvh, set: &str, rays: &[Ray], traversal: &mut Traversal) -> f64 {
+fn in_packets(bvh: &Bvh, set: &str, rays: &[Ray], query_state: &mut QueryState) -> f64 {
     let mut sum = 0.0;
     for rays in rays.chunks(PACKET_WIDTH) {
         if is_shadow(set) {
-            let occluded = bvh.occluded_coherent(&RayPacket::new(rays), traversal);
+            let occluded = bvh.occluded_coherent(&RayPacket::new(rays), query_state);
             sum += f64::from(occluded.count_ones());
         } else {
             let mut hits = [None; PACKET_WIDTH];
-            bvh.closest_coherent(rays, &mut hits[..rays.len()], traversal);
+            bvh.closest_coherent(rays, &mut hits[..rays.len()], query_state);
             for hit in hits.iter().flatten() {
                 sum += hit.t;
             }
@@ -161,10 +161,10 @@ fn in_packets(bvh: &Bvh, set: &str, rays: &[Ray], traversal: &mut Traversal) -> 
 }
 
 /// Millions of rays per second, and the sum.
-fn rate(rays: &[Ray], mut work: impl FnMut(&[Ray], &mut Traversal) -> f64) -> (f64, f64) {
-    let mut traversal = Traversal::default();
+fn rate(rays: &[Ray], mut work: impl FnMut(&[Ray], &mut QueryState) -> f64) -> (f64, f64) {
+    let mut query_state = QueryState::default();
     let mut sum = 0.0;
-    let seconds = best(|| sum = work(rays, &mut traversal));
+    let seconds = best(|| sum = work(rays, &mut query_state));
     (rays.len() as f64 / seconds / 1e6, sum)
 }
 

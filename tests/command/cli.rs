@@ -203,7 +203,7 @@ fn sequences_list_the_errors_of_their_frames() {
         }
         let manifest = read("manifest.ron");
         assert!(
-            manifest.contains(&format!("relative_square_error: {}", rows[2][1])),
+            manifest.contains(&format!("rel_mse: {}", rows[2][1])),
             "{manifest}"
         );
         assert!(read("errors.svg").contains("relMSE"));

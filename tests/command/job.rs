@@ -94,18 +94,18 @@ pub(crate) fn replace_frames(out: &Path, frames: &[u32], build: &str) {
     let folder = FrameFolder::new(out, sequence, true);
     folder.prepare().unwrap();
     for &frame in frames {
-        let Claim::Granted(slot) = folder.claim(frame, false).unwrap() else {
+        let Claim::Granted(lock) = folder.claim(frame, false).unwrap() else {
             panic!("nobody else is there");
         };
         let rendered = RenderedFrame {
             film: Film::new(width, height),
-            deviation: None,
+            half_difference: None,
             error: None,
             rays: 0,
             non_finite_samples: 0,
         };
         let encoded = folder.encode(frame, rendered).unwrap();
-        folder.keep(frame, slot, &encoded).unwrap();
+        folder.store(frame, lock, &encoded).unwrap();
     }
 }
 

@@ -2,7 +2,9 @@
 
 use crate::support::{flythrough, root, scene, stderr};
 use base64::Engine;
-use flythrough::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment};
+use flythrough::camera::{
+    CameraPath, CameraPathTiming, Interpolation, Keyframe, Orientation, Segment,
+};
 use flythrough::drawing::path_plot::plot;
 use flythrough::scene::Scene;
 use glam::{DQuat, DVec2, DVec3};
@@ -27,7 +29,7 @@ fn path(keys: &[(f64, DVec3, f64)]) -> CameraPath {
         segment: Segment::of(Interpolation::Linear),
     };
     let keys: Vec<Keyframe> = keys.iter().map(key).collect();
-    CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).unwrap()
+    CameraPath::new(10.0, &keys, &CameraPathTiming::BY_KEYS).unwrap()
 }
 
 fn drawn(scene: &Scene, path: &CameraPath) -> String {

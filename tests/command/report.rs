@@ -84,8 +84,8 @@ fn single_pixels_are_rendered_as_in_the_frame() {
             for ((x, y), [a, b]) in pixels.iter().zip(single) {
                 let number = (y * 20 + x) as usize;
                 assert_close(0.5 * (a + b), frame.film.pixels()[number], 1e-6);
-                let deviation = frame.deviation.as_ref().map(|d| d.pixels()[number]);
-                assert_close(0.5 * (a - b), deviation.unwrap_or_default(), 1e-6);
+                let half_difference = frame.half_difference.as_ref().map(|d| d.pixels()[number]);
+                assert_close(0.5 * (a - b), half_difference.unwrap_or_default(), 1e-6);
             }
         }
     }
@@ -174,7 +174,7 @@ fn a_report_has_everything_and_keeps_its_references() {
     // More samples have less error, and the estimate of frames is nearly the error.
     let errors = |flags: &str| {
         let row = measured.iter().find(|row| row["flags"] == flags).unwrap();
-        ["relative_square_error", "own_estimate"].map(|key| row[key].as_f64().unwrap())
+        ["rel_mse", "own_estimate"].map(|key| row[key].as_f64().unwrap())
     };
     let few = errors("--mode montecarlo --samples 4 --splits 1");
     let many = errors("--mode montecarlo --samples 256 --splits 1");
@@ -205,7 +205,7 @@ fn a_report_has_everything_and_keeps_its_references() {
     assert_eq!(cached_rows, 4);
     let rays_and_error = |flags: &str| {
         let row = measured.iter().find(|row| row["flags"] == flags).unwrap();
-        ["rays", "relative_square_error"].map(|key| number(&row[key]))
+        ["rays", "rel_mse"].map(|key| number(&row[key]))
     };
     let cached = rays_and_error("--mode montecarlo --samples 16 --gi cached");
     let path_traced = rays_and_error("--mode montecarlo --samples 16 --splits 1");
@@ -233,7 +233,7 @@ fn a_report_has_everything_and_keeps_its_references() {
         );
     }
     for reference in report["references"].as_array().unwrap() {
-        let error = number(&reference["relative_square_error"]);
+        let error = number(&reference["rel_mse"]);
         assert!(error < 1e-3, "{reference}");
     }
     // References are rendered once: a second run reads them, another scene gets new ones.

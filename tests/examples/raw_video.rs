@@ -41,7 +41,7 @@ impl Waiting {
 }
 
 impl FrameSink for RawVideo {
-    type Slot = ();
+    type Lock = ();
 
     fn claim(&self, _: u32, _: bool) -> Result<Claim<()>, SinkError> {
         // No other process writes to this pipe.
@@ -51,16 +51,16 @@ impl FrameSink for RawVideo {
     fn encode(&self, _: u32, mut rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
         rendered.film.expose(self.exposure);
         Ok(EncodedFrame {
-            picture: rendered.film.to_srgb8(),
+            image: rendered.film.to_srgb8(),
             error_map: None,
         })
     }
 
-    fn keep(&self, frame: u32, (): (), encoded: &EncodedFrame) -> Result<(), SinkError> {
+    fn store(&self, frame: u32, (): (), encoded: &EncodedFrame) -> Result<(), SinkError> {
         let mut waiting = self.waiting.lock().map_err(|error| error.to_string())?;
-        waiting.frames.insert(frame, encoded.picture.clone());
-        while let Some(picture) = waiting.next() {
-            io::stdout().write_all(&picture)?;
+        waiting.frames.insert(frame, encoded.image.clone());
+        while let Some(image) = waiting.next() {
+            io::stdout().write_all(&image)?;
         }
         Ok(())
     }

@@ -56,20 +56,20 @@ fn corners_equal_four_samples_of_each_pixel() {
     let shared = render(&scene, &camera, &settings);
     let size = glam::DVec2::new(width.into(), height.into());
     let integrator = Integrator::new(&scene, &settings.integrator, None).unwrap();
-    let mut traversal = flythrough::accel::Traversal::default();
+    let mut query_state = flythrough::accel::QueryState::default();
     for y in 0..height {
         for x in 0..width {
             let mut corner = |dx: f64, dy: f64| {
                 let film = glam::DVec2::new(f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy);
                 let ray = camera.rays(size, scene.origin).through(film);
-                let sequence = flythrough::sampling::Sequence::new(0, 0, 0, 0);
+                let sequence = flythrough::sampling::SobolSequence::new(0, 0, 0, 0);
                 let sample = CameraSample {
                     ray,
                     sequence,
                     index: 0,
                 };
                 let mut radiance = [glam::Vec3::ZERO];
-                integrator.radiance(&[sample], &mut traversal, &mut radiance);
+                integrator.radiance(&[sample], &mut query_state, &mut radiance);
                 radiance[0]
             };
             let upper = corner(-0.5, -0.5) + corner(0.5, -0.5);

@@ -27,7 +27,7 @@ fn frame(settings: &RenderSettings, seed: u32) -> RenderedFrame {
 }
 
 /// The mean of (x - r)^2 / (m^2 + (white / 10)^2), where m is the mean of the neighbouring pixels.
-fn relative_square_error(film: &Film, reference: &Film, white: f64) -> f64 {
+fn rel_mse(film: &Film, reference: &Film, white: f64) -> f64 {
     let (width, height) = (SIZE[0] as i32, SIZE[1] as i32);
     let at = |film: &Film, x: i32, y: i32| film.pixels()[(y * width + x) as usize].as_dvec3();
     let inside = |x: i32, y: i32| (0..width).contains(&x) && (0..height).contains(&y);
@@ -74,11 +74,11 @@ fn intervals_hold_the_true_error() {
         );
         let runs = (0..200).into_par_iter().map(|seed| {
             let rendered = frame(&settings, seed);
-            let true_error = relative_square_error(&rendered.film, &reference.film, 0.35);
+            let true_error = rel_mse(&rendered.film, &reference.film, 0.35);
             let error = rendered.error.unwrap();
             let [low, high] = error.interval();
             let is_within = (low..=high).contains(&true_error);
-            (is_within, error.relative_square_error, true_error)
+            (is_within, error.rel_mse, true_error)
         });
         let runs: Vec<(bool, f64, f64)> = runs.collect();
         let within = runs.iter().filter(|(is_within, ..)| *is_within).count();
@@ -92,7 +92,7 @@ fn intervals_hold_the_true_error() {
             (estimated / measured - 1.0).abs() < 0.02,
             "{sampling:?}: {estimated} {measured}"
         );
-        let of_reference = reference.error.unwrap().relative_square_error;
+        let of_reference = reference.error.unwrap().rel_mse;
         assert!(
             of_reference < 0.01 * measured,
             "{sampling:?}: {of_reference}"
@@ -119,10 +119,10 @@ fn frames_of_a_target_error_reach_it_without_bias() {
             let error = rendered.error.unwrap();
             assert!(error.interval()[1] <= 0.01, "{error:?}");
             // Not far below the target.
-            assert!(error.relative_square_error > 0.001, "{error:?}");
+            assert!(error.rel_mse > 0.001, "{error:?}");
         }
         let few = frame(&plain, 0);
-        assert!(few.error.unwrap().relative_square_error > 0.02);
+        assert!(few.error.unwrap().rel_mse > 0.02);
         assert!(rendered.iter().map(rays).min().unwrap() > 2 * few.rays);
         let adaptive: Vec<Vec<f64>> = rendered.iter().map(|r| channels(r.film.pixels())).collect();
         let reference = RenderSettings {
@@ -171,8 +171,8 @@ fn added_samples_do_not_make_frames_brighter() {
     assert!(z.abs() < 3.3, "{z}: {adaptive:?} {uniform:?}");
 }
 
-/// The half buffers of a frame are its film plus and minus its deviation. They are independent, so their errors are not
-/// correlated.
+/// The half buffers of a frame are its film plus and minus its half difference. They are independent, so their errors
+/// are not correlated.
 #[test]
 fn half_buffers_are_independent() {
     let paths = scaled(4, 4, 16);
@@ -230,7 +230,7 @@ fn small_frames_have_an_error_estimate() {
                 ..settings(monte_carlo(2, &[4]), width, height)
             };
             let error = frame(&settings, 0).error.unwrap();
-            assert!(error.relative_square_error > 0.0, "{error:?}");
+            assert!(error.rel_mse > 0.0, "{error:?}");
             assert!(error.standard_error.is_finite() && error.interval()[1] <= 0.05);
         }
     }

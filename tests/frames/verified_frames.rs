@@ -160,7 +160,7 @@ frame_00003.png: empty
 frame_00004.png: altered after it was written
 frame_00005.png: is frame 0 under another name
 frame_00006.png: missing
-frame_00007.png: holds no whole record of flythrough
+frame_00007.png: no valid flythrough metadata
 2 of 9 frames are verified: ";
     for (line, expected) in printed.lines().zip(expected.lines()) {
         assert!(line.starts_with(expected), "{line}: {expected}");

@@ -163,14 +163,11 @@ fn gaps_short_sequences_and_damaged_frames_are_refused() {
         ("frame_00012.png: no frame of the sequence", |f| {
             fs::copy(f.join("frame_00000.png"), f.join("frame_00012.png")).unwrap();
         }),
-        (
-            "frame_00002.png: holds no whole record of flythrough",
-            |f| {
-                image::RgbImage::new(60, 41)
-                    .save(f.join("frame_00002.png"))
-                    .unwrap();
-            },
-        ),
+        ("frame_00002.png: no valid flythrough metadata", |f| {
+            image::RgbImage::new(60, 41)
+                .save(f.join("frame_00002.png"))
+                .unwrap();
+        }),
     ];
     let whole = rendered(ROOM);
     for (expected, damage) in cases {

@@ -53,14 +53,14 @@ fn centers(bounces: u32, splits: &[u32]) -> RenderSettings {
 }
 
 /// The mean of (x - r)^2 / (r^2 + 0.01).
-fn relative_square_error(picture: &[f64], reference: &[f64]) -> f64 {
+fn rel_mse(picture: &[f64], reference: &[f64]) -> f64 {
     let errors = picture.iter().zip(reference);
     let sum: f64 = errors.map(|(x, r)| (x - r).powi(2) / (r * r + 0.01)).sum();
     sum / picture.len() as f64
 }
 
 fn errors(runs: &[Vec<f64>], reference: &[f64]) -> Vec<f64> {
-    let error = |run: &Vec<f64>| relative_square_error(run, reference);
+    let error = |run: &Vec<f64>| rel_mse(run, reference);
     runs.iter().map(error).collect()
 }
 
@@ -107,7 +107,7 @@ fn sobol_points_converge_faster_over_many_bounces() {
     let samples = runs(scene, camera, &centers(4, &[1]), 0..16 * 256);
     let independent = |log: u32| {
         let runs = samples.chunks_exact(256).map(|run| &run[..1 << log]);
-        let errors = runs.map(|run| relative_square_error(&means(&estimates(run)), &reference));
+        let errors = runs.map(|run| rel_mse(&means(&estimates(run)), &reference));
         errors.collect()
     };
     let sobol = |log: u32| {

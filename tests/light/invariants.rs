@@ -2,12 +2,12 @@
 
 use crate::support::statistics::*;
 use crate::support::*;
-use flythrough::accel::Traversal;
+use flythrough::accel::QueryState;
 use flythrough::camera::Camera;
 use flythrough::integrator::{CameraSample, Integrator, LightSampler};
 use flythrough::light::{Falloff, PointLight};
 use flythrough::math::Ray;
-use flythrough::sampling::{Sequence, uniform_sphere};
+use flythrough::sampling::{SobolSequence, uniform_sphere};
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -169,7 +169,7 @@ fn light_and_eye_may_be_exchanged() {
 /// The mean radiance that arrives from all directions.
 fn radiance_around(scene: &Scene, eye: DVec3, bounces: u32, seed: u32) -> Vec<f64> {
     const RAYS: u32 = 1 << 14;
-    let sequence = Sequence::new(seed, 0, 0, 0);
+    let sequence = SobolSequence::new(seed, 0, 0, 0);
     let sample = |index| {
         let [u, v] = sequence.sample_2d(index, 0);
         CameraSample {
@@ -181,6 +181,6 @@ fn radiance_around(scene: &Scene, eye: DVec3, bounces: u32, seed: u32) -> Vec<f6
     let samples: Vec<CameraSample> = (0..RAYS).map(sample).collect();
     let mut radiance = vec![Vec3::ZERO; samples.len()];
     let integrator = Integrator::new(scene, &monte_carlo(bounces, &[1]), None).unwrap();
-    integrator.radiance(&samples, &mut Traversal::default(), &mut radiance);
+    integrator.radiance(&samples, &mut QueryState::default(), &mut radiance);
     channels(&[radiance.iter().sum::<Vec3>() / RAYS as f32])
 }

@@ -2,7 +2,9 @@
 
 use crate::support::*;
 use flythrough::bake::{Baked, bake, cache_errors};
-use flythrough::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment};
+use flythrough::camera::{
+    CameraPath, CameraPathTiming, Interpolation, Keyframe, Orientation, Segment,
+};
 use flythrough::integrator::IntegratorSettings;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
 use flythrough::render::{RenderSettings, Renderer};
@@ -22,7 +24,7 @@ fn glide(eyes: [DVec3; 2], target: DVec3) -> CameraPath {
         segment: Segment::of(Interpolation::Linear),
     };
     let keys: Vec<Keyframe> = [0.0, 1.0].into_iter().zip(eyes).map(key).collect();
-    CameraPath::new(8.0, &keys, &PathTiming::BY_KEYS).unwrap()
+    CameraPath::new(8.0, &keys, &CameraPathTiming::BY_KEYS).unwrap()
 }
 
 /// From the left to the right of `scenes/test3.ron`.
@@ -63,7 +65,7 @@ fn mean(pixels: &[Vec3]) -> Vec3 {
 }
 
 /// The mean relative square error of pixels against a reference of little noise.
-fn relative_square_error(pixels: &[Vec3], reference: &[Vec3]) -> f32 {
+fn rel_mse(pixels: &[Vec3], reference: &[Vec3]) -> f32 {
     let error = |(x, r): (&Vec3, &Vec3)| ((x - r).powf(2.0) / (r * r + 0.01)).element_sum() / 3.0;
     pixels.iter().zip(reference).map(error).sum::<f32>() / pixels.len() as f32
 }
@@ -91,8 +93,8 @@ fn light_inside_a_sphere_after_each_bounce() {
     }
 }
 
-/// The estimated cache error holds for whole frames, and is below the target, in a box of white walls with edges, a ball on
-/// the floor, and a mirror.
+/// The estimated cache error holds for whole frames, and is below the target, in a box of white walls with edges, a
+/// ball on the floor, and a mirror.
 #[test]
 fn the_estimated_error_is_right_and_below_the_target() {
     let scene = shipped_scene("test3.ron");
@@ -115,7 +117,7 @@ fn the_estimated_error_is_right_and_below_the_target() {
             let pixels = cached(&scene, &path, baked, *number);
             let bias = mean(&pixels) / mean(reference) - 1.0;
             assert!(bias.abs().max_element() < 0.01, "{number}: {bias}");
-            f64::from(relative_square_error(&pixels, reference))
+            f64::from(rel_mse(&pixels, reference))
         });
         // With 32 paths it is 0.0045.
         let of_reference = 0.0045 * 32.0 / f64::from(paths);
@@ -148,7 +150,7 @@ fn the_error_of_a_wrong_cache_is_measured() {
     // It is relative to the mean of the right and the wrong radiance.
     let expected = (0.2 * indirect).powi(2) / ((direct + 1.1 * indirect).powi(2) + 0.01);
     for error in cache_errors(&right, &path, &cached_settings(1), &wrong.cache).unwrap() {
-        let off = error.relative_square_error / expected - 1.0;
+        let off = error.rel_mse / expected - 1.0;
         assert!(off.abs() < 0.03, "{off}");
     }
 }

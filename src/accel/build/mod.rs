@@ -1,19 +1,19 @@
 //! Builds the tree top down by the surface area heuristic over bins (Wald 2007, "On fast Construction of SAH-based
 //! Bounding Volume Hierarchies"): the child with the largest surface is split in two until a node has eight.
 
-mod reference;
+mod primitive_ref;
 mod split;
 
 use super::bvh::Bvh;
-use super::limits::{MAX_DEPTH, WIDTH};
+use super::constants::{MAX_DEPTH, WIDTH};
 use super::node::{Child, Node};
 use super::triangle_block::TriangleBlock;
 use crate::geometry::Sphere;
 use crate::math::Aabb;
 use crate::simd::Kernel;
 use glam::Vec3;
+use primitive_ref::{Extent, PrimitiveRef};
 use rayon::prelude::*;
-use reference::{Extent, Reference};
 use split::split;
 
 /// From this depth on ranges are split at the median index, which bounds the depth of any tree: there are
@@ -23,7 +23,7 @@ const MAX_SAH_DEPTH: usize = MAX_DEPTH - 31;
 /// The children of a node with more references are built in parallel.
 const MIN_PARALLEL_REFERENCES: usize = 1 << 16;
 
-/// Up to so many blocks and so many spheres are tested one after the other, without a tree.
+/// At most this many blocks and this many spheres are tested one after the other, without a tree.
 const MAX_WITHOUT_TREE: usize = 2;
 
 impl Bvh {
@@ -38,10 +38,10 @@ impl Bvh {
 fn build(triangles: &[[Vec3; 3]], spheres: Vec<Sphere>, kernel: Kernel) -> Bvh {
     let first_sphere = triangles.len() as u32;
     let boxes = triangles.par_iter().map(|vertices| Aabb::of(*vertices));
-    let mut references: Vec<Reference> = boxes
+    let mut references: Vec<PrimitiveRef> = boxes
         .chain(spheres.par_iter().map(Sphere::bounds))
         .zip(0..first_sphere + spheres.len() as u32)
-        .map(|(bounds, id)| Reference::new(bounds, id))
+        .map(|(bounds, id)| PrimitiveRef::new(bounds, id))
         .collect();
     let extent = Extent::of(&references);
     let bounds = extent.bounds();
@@ -120,7 +120,7 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     /// Adds a node over `range` of `references` and all below it; returns the node's index.
-    fn add_node(&self, references: &mut [Reference], range: Range, tree: &mut Tree) -> u32 {
+    fn add_node(&self, references: &mut [PrimitiveRef], range: Range, tree: &mut Tree) -> u32 {
         let index = tree.nodes.len();
         tree.nodes.push(Node::new(&[]));
         let ranges = self.children(references, range);
@@ -162,7 +162,7 @@ impl Builder<'_> {
 
     fn add_child(
         &self,
-        references: &mut [Reference],
+        references: &mut [PrimitiveRef],
         range: Range,
         tree: &mut Tree,
     ) -> (Aabb, Child) {
@@ -186,7 +186,7 @@ impl Builder<'_> {
 
     /// Up to eight parts of a range, in order: the part with the largest surface is split until there are
     /// eight.
-    fn children(&self, references: &mut [Reference], range: Range) -> Vec<Range> {
+    fn children(&self, references: &mut [PrimitiveRef], range: Range) -> Vec<Range> {
         let mut parts = Vec::with_capacity(WIDTH);
         if range.begin < range.end {
             parts.push(range);
@@ -222,7 +222,7 @@ impl Builder<'_> {
     }
 
     /// Whether references make a leaf: one sphere, or one to eight triangles.
-    fn is_leaf(&self, references: &[Reference]) -> bool {
+    fn is_leaf(&self, references: &[PrimitiveRef]) -> bool {
         references.len() == 1
             || (references.len() <= WIDTH && references.iter().all(|r| r.id() < self.first_sphere))
     }

@@ -1,7 +1,7 @@
 //! Splits a range of references by the binned surface area heuristic.
 
-use super::super::limits::WIDTH;
-use super::reference::{Extent, Reference, half_area};
+use super::super::constants::WIDTH;
+use super::primitive_ref::{Extent, PrimitiveRef, half_area};
 use glam::Vec4;
 
 /// The most bins along each axis.
@@ -16,7 +16,7 @@ pub(super) struct Partition {
 
 /// Partitions two or more references by the surface area heuristic, or at the median index where all centres
 /// coincide or `by_sah` is false.
-pub(super) fn split(references: &mut [Reference], extent: Extent, by_sah: bool) -> Partition {
+pub(super) fn split(references: &mut [PrimitiveRef], extent: Extent, by_sah: bool) -> Partition {
     // Few references need few bins: sweeping over them would cost more than sorting into them.
     let plane = match references.len() {
         _ if !by_sah => None,
@@ -43,24 +43,24 @@ struct Binning {
 
 impl Binning {
     fn new(extent: &Extent, bins: usize) -> Binning {
-        let size = extent.center_max - extent.center_min;
+        let size = extent.doubled_center_max - extent.doubled_center_min;
         let scale = |axis: usize| {
             let scale = (bins - 1) as f32 / size[axis];
             if scale.is_finite() { scale } else { 0.0 }
         };
         Binning {
-            min: extent.center_min,
+            min: extent.doubled_center_min,
             scale: Vec4::new(scale(0), scale(1), scale(2), 0.0),
         }
     }
 
     /// The bin along each axis.
     #[inline(always)]
-    fn bins(&self, reference: &Reference) -> [usize; 3] {
+    fn bins(&self, reference: &PrimitiveRef) -> [usize; 3] {
         // Added to a number whose last bit is worth one, a float leaves its integer in the lower bits:
         // faster than a conversion that checks its range.
         const ROUND: f32 = (1 << 23) as f32;
-        let at = (reference.center() - self.min) * self.scale + Vec4::splat(ROUND);
+        let at = (reference.doubled_center() - self.min) * self.scale + Vec4::splat(ROUND);
         let bin = |x: f32| x.to_bits() as usize % MAX_BINS;
         [bin(at.x), bin(at.y), bin(at.z)]
     }
@@ -106,7 +106,7 @@ impl Bin {
 }
 
 /// The plane between bins of the least cost; none if all centres fall into one bin along every axis.
-fn best_plane<const BINS: usize>(references: &[Reference], extent: &Extent) -> Option<Plane> {
+fn best_plane<const BINS: usize>(references: &[PrimitiveRef], extent: &Extent) -> Option<Plane> {
     let binning = Binning::new(extent, BINS);
     let mut bins = [[Bin::EMPTY; BINS]; 3];
     for reference in references {
@@ -140,8 +140,8 @@ fn best_plane<const BINS: usize>(references: &[Reference], extent: &Extent) -> O
 }
 
 /// Moves the references left of the plane to the front.
-fn partition(references: &mut [Reference], plane: Plane) -> Partition {
-    let is_left = |r: &Reference| plane.binning.bins(r)[plane.axis] < plane.bin;
+fn partition(references: &mut [PrimitiveRef], plane: Plane) -> Partition {
+    let is_left = |r: &PrimitiveRef| plane.binning.bins(r)[plane.axis] < plane.bin;
     let mut extents = [Extent::EMPTY; 2];
     let (mut left, mut right) = (0, references.len());
     while left < right {

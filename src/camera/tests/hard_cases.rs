@@ -7,14 +7,14 @@ fn hard_cases_have_cameras() {
     // Keys at once, far away.
     let mut keys = uneven();
     keys[3].time = keys[2].time + 1e-6;
-    for timing in [PathTiming::BY_KEYS, CONSTANT] {
+    for timing in [CameraPathTiming::BY_KEYS, CONSTANT] {
         CameraPath::new(24.0, &keys, &timing).expect("keys 1e-6 s apart");
     }
     // All at one place.
     let still: Vec<Keyframe> = (0..4)
         .map(|i| key(f64::from(i), DVec3::ONE, AHEAD))
         .collect();
-    for timing in [PathTiming::BY_KEYS, CONSTANT, CLOSED] {
+    for timing in [CameraPathTiming::BY_KEYS, CONSTANT, CLOSED] {
         let path = CameraPath::new(24.0, &still, &timing).expect("a camera that stands");
         assert!(positions(&path).iter().all(|&p| p == DVec3::ONE));
     }
@@ -42,7 +42,7 @@ fn hard_cases_have_cameras() {
             key(f64::from(i), 10.0 * random.point(), orientation)
         })
         .collect();
-    let path = CameraPath::new(1.0, &many, &PathTiming::BY_KEYS).expect("10,000 keys");
+    let path = CameraPath::new(1.0, &many, &CameraPathTiming::BY_KEYS).expect("10,000 keys");
     for (camera, key) in cameras(&path).iter().zip(&many) {
         assert_eq!(camera.position, key.position);
     }
@@ -56,7 +56,7 @@ fn refuses_what_has_no_camera() {
         segment: Segment::of(Interpolation::Linear),
         ..key(time, position, at(target))
     };
-    let refusal = |keys: &[Keyframe]| CameraPath::new(10.0, keys, &PathTiming::BY_KEYS).err();
+    let refusal = |keys: &[Keyframe]| CameraPath::new(10.0, keys, &CameraPathTiming::BY_KEYS).err();
     // Passes through its target half way.
     let through = [
         looks(0.0, DVec3::X, DVec3::ZERO),
@@ -65,7 +65,7 @@ fn refuses_what_has_no_camera() {
     let (frame, time) = (5, 0.5);
     assert_eq!(
         refusal(&through),
-        Some(PathError::LooksAtItself { frame, time })
+        Some(CameraPathError::LooksAtItself { frame, time })
     );
     // Passes above its target, on a frame and between two.
     let over = |from: f64, to: f64| {
@@ -75,11 +75,11 @@ fn refuses_what_has_no_camera() {
     let (frame, time) = (5, 0.5);
     assert_eq!(
         over(-1.0, 1.0),
-        Some(PathError::LooksVertically { frame, time })
+        Some(CameraPathError::LooksVertically { frame, time })
     );
     assert_eq!(
         over(-1.05, 1.0),
-        Some(PathError::Flips {
+        Some(CameraPathError::Flips {
             frame: 6,
             time: 0.6
         })
@@ -102,7 +102,7 @@ fn frames_on_keys_show_them() {
                 key(start + f64::from(i) / fps, x, AHEAD)
             });
             let keys = with(Interpolation::Hold, keys.collect());
-            let path = CameraPath::new(fps, &keys, &PathTiming::BY_KEYS).expect("keys");
+            let path = CameraPath::new(fps, &keys, &CameraPathTiming::BY_KEYS).expect("keys");
             for (camera, key) in cameras(&path).iter().zip(&keys) {
                 assert_eq!(camera.position, key.position, "{fps}");
             }
@@ -130,9 +130,9 @@ fn every_frame_has_numbers_or_is_refused() {
         ..keys[0]
     };
     for keys in [&[narrow][..], &[narrow, keys[1]]] {
-        let error = CameraPath::new(1.0, keys, &PathTiming::BY_KEYS).err();
+        let error = CameraPath::new(1.0, keys, &CameraPathTiming::BY_KEYS).err();
         assert!(
-            matches!(error, Some(PathError::NoCamera { frame: 0, .. })),
+            matches!(error, Some(CameraPathError::NoCamera { frame: 0, .. })),
             "{error:?}"
         );
     }
@@ -145,12 +145,17 @@ fn targets_are_not_met_between_frames_nor_at_the_seam() {
             segment: Segment::of(Interpolation::Linear),
             ..key(time, DVec3::new(x, 0.0, beside), at(DVec3::ZERO))
         };
-        CameraPath::new(10.0, &[key(0.0, from), key(1.0, to)], &PathTiming::BY_KEYS).err()
+        CameraPath::new(
+            10.0,
+            &[key(0.0, from), key(1.0, to)],
+            &CameraPathTiming::BY_KEYS,
+        )
+        .err()
     };
     let (frame, time) = (6, 0.6);
     assert_eq!(
         walk(-1.05, 1.0, 0.0),
-        Some(PathError::LooksAtItself { frame, time })
+        Some(CameraPathError::LooksAtItself { frame, time })
     );
     assert_eq!(walk(-1.05, 1.0, 0.3), None);
     // A fast roll is no flip.
@@ -159,7 +164,7 @@ fn targets_are_not_met_between_frames_nor_at_the_seam() {
         key(time, DVec3::ZERO, Orientation::LookAt { target, roll })
     };
     let keys = [rolled(0.0, 0.0), rolled(1.0, PI)];
-    CameraPath::new(1.0, &keys, &PathTiming::BY_KEYS).expect("a camera that is tipped over");
+    CameraPath::new(1.0, &keys, &CameraPathTiming::BY_KEYS).expect("a camera that is tipped over");
     // Passes over its target where it closes.
     let over = |time, x: f64, z: f64| Keyframe {
         segment: Segment::of(Interpolation::Linear),
@@ -176,7 +181,7 @@ fn targets_are_not_met_between_frames_nor_at_the_seam() {
     let error = CameraPath::new(10.0, &keys, &CLOSED).err();
     assert_eq!(
         error,
-        Some(PathError::Flips {
+        Some(CameraPathError::Flips {
             frame: 0,
             time: 0.0
         })

@@ -15,7 +15,7 @@ fn circles_and_helices_of_many_keys() {
             .collect();
         for timing in [
             CLOSED,
-            PathTiming {
+            CameraPathTiming {
                 closed: true,
                 ..CONSTANT
             },
@@ -94,7 +94,7 @@ fn constant_speed_on_uneven_paths() {
         key(time, DVec3::new(x, y, z), AHEAD)
     });
     for keys in [uneven(), apart.collect()] {
-        let by_keys = CameraPath::new(24.0, &keys, &PathTiming::BY_KEYS).expect("keys");
+        let by_keys = CameraPath::new(24.0, &keys, &CameraPathTiming::BY_KEYS).expect("keys");
         assert_eq!(by_keys.timeline().frame_count(), 300);
         assert!(ratio(&steps(&by_keys)) > 5.0);
         let path = CameraPath::new(24.0, &keys, &CONSTANT).expect("keys");
@@ -114,7 +114,7 @@ fn a_zoom_magnifies_evenly() {
     };
     for interpolation in [Interpolation::Linear, Interpolation::CatmullRom] {
         let keys = with(interpolation, vec![zoomed(0.0, 60.0), zoomed(10.0, 6.0)]);
-        let path = CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("keys");
+        let path = CameraPath::new(10.0, &keys, &CameraPathTiming::BY_KEYS).expect("keys");
         let sizes: Vec<f64> = cameras(&path).iter().map(|c| c.half_height).collect();
         let first = sizes[0] / sizes[1];
         let expected = (30_f64.to_radians().tan() / 3_f64.to_radians().tan()).powf(0.01);

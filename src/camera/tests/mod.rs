@@ -6,8 +6,8 @@ mod orientations;
 mod promises;
 mod segments;
 
-use super::error::PathError;
-use super::keyframe::{Interpolation, Keyframe, Orientation, PathTiming, Segment, Speed};
+use super::error::CameraPathError;
+use super::keyframe::{CameraPathTiming, Interpolation, Keyframe, Orientation, Segment, Speed};
 use super::{Camera, CameraPath};
 use crate::sampling::Random;
 use glam::{DQuat, DVec3};
@@ -15,14 +15,14 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 const AHEAD: Orientation = Orientation::Rotation(DQuat::IDENTITY);
 
-const CONSTANT: PathTiming = PathTiming {
+const CONSTANT: CameraPathTiming = CameraPathTiming {
     speed: Speed::Constant,
-    ..PathTiming::BY_KEYS
+    ..CameraPathTiming::BY_KEYS
 };
 
-const CLOSED: PathTiming = PathTiming {
+const CLOSED: CameraPathTiming = CameraPathTiming {
     closed: true,
-    ..PathTiming::BY_KEYS
+    ..CameraPathTiming::BY_KEYS
 };
 
 fn key(time: f64, position: DVec3, orientation: Orientation) -> Keyframe {

@@ -7,7 +7,7 @@ fn looks_at_its_target_with_y_up_and_then_rolls() {
     let target = DVec3::new(3.0, 1.0, -2.0);
     for roll in [0.0, 0.3, -2.0] {
         let keys = [key(0.0, DVec3::ONE, Orientation::LookAt { target, roll })];
-        let path = CameraPath::new(24.0, &keys, &PathTiming::BY_KEYS).expect("a still");
+        let path = CameraPath::new(24.0, &keys, &CameraPathTiming::BY_KEYS).expect("a still");
         assert_eq!(path.timeline().frame_count(), 1);
         let camera = path.camera(0);
         let forward = (target - DVec3::ONE).normalize();
@@ -32,7 +32,7 @@ fn rotations_take_the_short_way_at_an_even_pace() {
             key(0.0, DVec3::ZERO, aim(10.0)),
             key(1.0, DVec3::ZERO, aim(350.0)),
         ];
-        let path = CameraPath::new(8.0, &with(interpolation, keys), &PathTiming::BY_KEYS)
+        let path = CameraPath::new(8.0, &with(interpolation, keys), &CameraPathTiming::BY_KEYS)
             .expect("two keys");
         for (frame, camera) in cameras(&path).iter().enumerate() {
             let degrees = 10.0 - 20.0 * frame as f64 / 8.0;
@@ -51,7 +51,7 @@ fn turning_keys_make_a_steady_turn() {
         .map(f64::from)
         .map(|time| key(time, DVec3::ZERO, Orientation::Rotation(rotation(time))))
         .collect();
-    let path = CameraPath::new(24.0, &keys, &PathTiming::BY_KEYS).expect("keys");
+    let path = CameraPath::new(24.0, &keys, &CameraPathTiming::BY_KEYS).expect("keys");
     for (frame, camera) in cameras(&path).iter().enumerate() {
         let expected = rotation(frame as f64 / 24.0) * DVec3::ONE;
         assert!(
@@ -68,7 +68,7 @@ fn angles_go_around_as_their_numbers_say() {
         key(0.0, DVec3::ZERO, angles(0.0)),
         key(4.0, DVec3::ZERO, angles(TAU)),
     ];
-    for timing in [CLOSED, PathTiming::BY_KEYS] {
+    for timing in [CLOSED, CameraPathTiming::BY_KEYS] {
         let path = CameraPath::new(10.0, &keys, &timing).expect("keys");
         assert_eq!(path.timeline().frame_count(), 41 - u32::from(timing.closed));
         for (frame, camera) in cameras(&path).iter().enumerate() {
@@ -85,7 +85,7 @@ fn mixed_keys_become_rotations() {
         key(0.0, DVec3::ZERO, at(DVec3::X)),
         key(1.0, DVec3::ZERO, AHEAD),
     ];
-    let path = CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("two keys");
+    let path = CameraPath::new(10.0, &keys, &CameraPathTiming::BY_KEYS).expect("two keys");
     let forward = path.camera(5).rotation * DVec3::NEG_Z;
     let expected = DVec3::new(FRAC_PI_4.sin(), 0.0, -FRAC_PI_4.cos());
     assert!((forward - expected).length() < 1e-9, "{forward}");

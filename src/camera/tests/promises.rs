@@ -8,7 +8,7 @@ fn random_paths_pass_through_their_keys() {
     let mut random = Random::new(3);
     for _ in 0..300 {
         let keys = random_keys(&mut random);
-        let path = CameraPath::new(17.0, &keys, &PathTiming::BY_KEYS).expect("keys");
+        let path = CameraPath::new(17.0, &keys, &CameraPathTiming::BY_KEYS).expect("keys");
         for (i, key) in keys.iter().enumerate() {
             let camera = path.camera_at(key.time, 0).expect("a camera");
             assert_eq!(camera.position, key.position);
@@ -49,8 +49,9 @@ fn frames_do_not_know_what_comes_later() {
             position: last.position + DVec3::new(0.0, 1.0, 0.5),
             ..last
         };
-        let path =
-            |keys: &[Keyframe]| CameraPath::new(24.0, keys, &PathTiming::BY_KEYS).expect("keys");
+        let path = |keys: &[Keyframe]| {
+            CameraPath::new(24.0, keys, &CameraPathTiming::BY_KEYS).expect("keys")
+        };
         let short = cameras(&path(&keys));
         let longer = cameras(&path(&[&keys[..], &[longer]].concat()));
         assert_eq!(longer.len(), short.len() + 24);
@@ -70,7 +71,7 @@ fn no_frame_runs_backward() {
             0 => uneven(),
             _ => with(Interpolation::CatmullRom, random_keys(&mut random)),
         };
-        for timing in [PathTiming::BY_KEYS, CONSTANT] {
+        for timing in [CameraPathTiming::BY_KEYS, CONSTANT] {
             let mut keys = keys.clone();
             for key in &mut keys {
                 key.segment = Segment::of(key.segment.interpolation);
@@ -125,7 +126,7 @@ fn velocities_do_not_jump_at_keys() {
         paths.push(keys.collect());
     }
     for (number, keys) in paths.iter().enumerate() {
-        for timing in [PathTiming::BY_KEYS, CONSTANT] {
+        for timing in [CameraPathTiming::BY_KEYS, CONSTANT] {
             let path = CameraPath::new(24.0, keys, &timing).expect("keys");
             let camera = |time: f64| path.camera_at(time, 0).expect("a camera");
             // Derivatives at a time, towards one side of it, to the second order.
@@ -194,7 +195,7 @@ fn smooth_segments_join_given_ones() {
     looping[2].segment.interpolation =
         Interpolation::Hermite(DVec3::new(2.0, 0.0, 4.0), DVec3::new(-4.0, 1.0, 5.0));
     for (keys, joints) in [(keys, &[1, 2, 3, 4][..]), (looping, &[2, 3])] {
-        let path = CameraPath::new(24.0, &keys, &PathTiming::BY_KEYS).expect("keys");
+        let path = CameraPath::new(24.0, &keys, &CameraPathTiming::BY_KEYS).expect("keys");
         let camera = |time: f64| path.camera_at(time, 0).expect("a camera").position;
         let h = 1e-6;
         for &key in joints {

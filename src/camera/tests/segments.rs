@@ -6,7 +6,7 @@ use super::*;
 fn held_keys_are_cut_from() {
     let mut keys = uneven();
     keys[2].segment.interpolation = Interpolation::Hold;
-    for timing in [PathTiming::BY_KEYS, CONSTANT] {
+    for timing in [CameraPathTiming::BY_KEYS, CONSTANT] {
         let path = CameraPath::new(24.0, &keys, &timing).expect("keys");
         let positions = positions(&path);
         let cuts: Vec<u32> = (0..300).filter(|&frame| path.is_cut(frame)).collect();
@@ -28,7 +28,7 @@ fn eased_segments_start_from_rest_and_come_to_rest() {
     let mut keys = with(Interpolation::Linear, uneven());
     for ease in [[true, false], [false, true], [true, true]] {
         [keys[2].segment.ease_in, keys[2].segment.ease_out] = ease;
-        let path = CameraPath::new(24.0, &keys, &PathTiming::BY_KEYS).expect("keys");
+        let path = CameraPath::new(24.0, &keys, &CameraPathTiming::BY_KEYS).expect("keys");
         let camera = |time: f64| path.camera_at(time, 0).expect("a camera").position;
         let h = 1e-6;
         let speeds = [
@@ -44,11 +44,11 @@ fn eased_segments_start_from_rest_and_come_to_rest() {
 #[test]
 fn whole_paths_start_from_rest_and_come_to_rest() {
     for speed in [Speed::ByKeys, Speed::Constant] {
-        let timing = PathTiming {
+        let timing = CameraPathTiming {
             speed,
             ease_in: 2.0,
             ease_out: 3.0,
-            ..PathTiming::BY_KEYS
+            ..CameraPathTiming::BY_KEYS
         };
         let keys = uneven();
         let path = CameraPath::new(24.0, &keys, &timing).expect("keys");
@@ -76,7 +76,7 @@ fn a_closed_path_has_no_seam() {
     });
     for timing in [
         CLOSED,
-        PathTiming {
+        CameraPathTiming {
             closed: true,
             ..CONSTANT
         },
@@ -100,7 +100,7 @@ fn a_closed_path_has_no_seam() {
 fn standing_keys_last_as_long_as_they_say() {
     let mut keys = uneven();
     keys[3].position = keys[2].position;
-    for timing in [PathTiming::BY_KEYS, CONSTANT] {
+    for timing in [CameraPathTiming::BY_KEYS, CONSTANT] {
         let path = CameraPath::new(24.0, &keys, &timing).expect("keys");
         let stands = positions(&path);
         let stands = stands.iter().filter(|&&p| p == keys[2].position).count();

@@ -1,6 +1,6 @@
 //! Samples an animated camera of a glTF file at every frame.
 
-use super::super::MOST_FRAMES;
+use super::super::MAX_FRAMES;
 use super::buffers::GltfBuffers;
 use super::nodes::{FovAnimation, GltfNodes, gltf_nodes};
 use super::sampler::GltfSampler;
@@ -75,8 +75,8 @@ pub(in super::super) fn parse(
     let spans = samplers.clone().map(GltfSampler::span);
     let span = spans.reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])]);
     let [start, end] = span.unwrap_or([0.0, 0.0]);
-    if (end - start) * fps > f64::from(MOST_FRAMES) {
-        return check.refuse("animations", format!("give more than {MOST_FRAMES} frames"));
+    if (end - start) * fps > f64::from(MAX_FRAMES) {
+        return check.refuse("animations", format!("give more than {MAX_FRAMES} frames"));
     }
     let timeline = Timeline::of_whole_frames(fps, start, end);
     let frame = |frame: u32| {

@@ -64,8 +64,8 @@ impl GltfSampler {
         [self.times[0], self.times[self.times.len() - 1]]
     }
 
-    /// Whether there is a cut between two times, in seconds: a stepped change after the value has stood still for as long
-    /// as a shot. Shorter steps are a stutter.
+    /// Whether there is a cut between two times, in seconds: a stepped change after the value has stood still for as
+    /// long as a shot. Shorter steps are a stutter.
     pub(super) fn jumps(&self, time: f64, next: f64) -> bool {
         const SHORTEST_SHOT: f64 = 0.2;
         let [Some(here), Some(after)] = [time, next].map(|time| self.key_before(time)) else {
@@ -120,8 +120,8 @@ impl GltfSampler {
         }
     }
 
-    /// Flips the signs of quaternions and their tangents so that each cubic takes the shorter way. Blender writes either
-    /// sign, and between keys of different signs the curve would pass near zero.
+    /// Flips the signs of quaternions and their tangents so that each cubic takes the shorter way. Blender writes
+    /// either sign, and between keys of different signs the curve would pass near zero.
     fn take_shorter_ways(&mut self) {
         if self.interpolation != Interpolation::CubicSpline {
             return;

@@ -17,7 +17,7 @@ pub(in super::super) enum GltfContainer {
 }
 
 /// The greatest rounding of times, in frames.
-const MOST_ROUNDING: f64 = 0.02;
+const MAX_ROUNDING: f64 = 0.02;
 
 /// The bytes of a glTF file with an animated camera that has a linear key for each frame; `aspect` is width over
 /// height. Numbers are in single precision, as always in glTF. A field of view that changes is animated by
@@ -31,7 +31,7 @@ pub(in super::super) fn to_gltf(
     let count = cameras.cameras.len();
     let end = cameras.time_of(count - 1);
     let rounding = 0.5 * f64::from(f32::EPSILON) * end.abs().max(cameras.start.abs());
-    if count > 1 && rounding * cameras.fps > MOST_ROUNDING {
+    if count > 1 && rounding * cameras.fps > MAX_ROUNDING {
         return Err(ExportError::GltfTimes { end });
     }
     let times = (0..count).map(|frame| cameras.time_of(frame) as f32);
@@ -136,7 +136,8 @@ impl Data {
     }
 }
 
-/// A binary glTF file: a header and two chunks, each padded to a multiple of 4 bytes (glTF 2.0 specification, section 4.4).
+/// A binary glTF file: a header and two chunks, each padded to a multiple of 4 bytes (glTF 2.0 specification, section
+/// 4.4).
 fn binary(mut text: Vec<u8>, data: Vec<u8>) -> Vec<u8> {
     text.resize(text.len().next_multiple_of(4), b' ');
     let length = 12 + 8 + text.len() + 8 + data.len();

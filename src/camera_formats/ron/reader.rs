@@ -1,8 +1,10 @@
 //! Reads camera path files.
 
-use super::super::MOST_FRAMES;
+use super::super::MAX_FRAMES;
 use super::schema::{CameraPathFile, EaseFile, InterpolationFile, KeyframeFile, SpeedFile};
-use crate::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment, Speed};
+use crate::camera::{
+    CameraPath, CameraPathTiming, Interpolation, Keyframe, Orientation, Segment, Speed,
+};
 use crate::input::InputError;
 use crate::input::InputFiles;
 use crate::input::Settings;
@@ -42,11 +44,11 @@ pub fn parse_camera_path(file: &Path, bytes: &[u8]) -> Result<CameraPathInput, I
     let mut keys = keys.collect::<Result<Vec<Keyframe>, _>>()?;
     segments(check, &parsed, &mut keys)?;
     if let (Some(first), Some(last)) = (keys.first(), keys.last())
-        && (last.time - first.time) * fps > f64::from(MOST_FRAMES)
+        && (last.time - first.time) * fps > f64::from(MAX_FRAMES)
     {
-        return check.refuse("fps", format!("gives more than {MOST_FRAMES} frames"));
+        return check.refuse("fps", format!("gives more than {MAX_FRAMES} frames"));
     }
-    let timing = PathTiming {
+    let timing = CameraPathTiming {
         speed: match parsed.speed {
             SpeedFile::ByKeys => Speed::ByKeys,
             SpeedFile::Constant => Speed::Constant,

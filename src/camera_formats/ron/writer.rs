@@ -3,8 +3,8 @@
 use crate::camera::FrameCameras;
 use std::fmt::Write;
 
-/// The text of a camera path file with a key for each frame. `comment` stands above it; `size` is the columns and rows of
-/// the frames, if known.
+/// The text of a camera path file with a key for each frame. `comment` stands above it; `size` is the columns and rows
+/// of the frames, if known.
 pub fn camera_path_to_ron(
     cameras: &FrameCameras,
     size: Option<(u32, u32)>,

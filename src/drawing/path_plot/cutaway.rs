@@ -1,7 +1,7 @@
 //! The scene behind a cutting plane as a grey drawing, from six axis-aligned rays at each pixel.
 
 use super::view::View;
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::math::Ray;
 use crate::scene::Scene;
 use glam::{DVec2, DVec3, Vec3};
@@ -57,13 +57,13 @@ struct PixelSample {
     is_cut: bool,
 }
 
-/// An orthographic drawing in greys, row by row from the top left, of the scene behind a plane that is `cut` metres along
-/// the view direction from the world's origin.
+/// An orthographic drawing in greys, row by row from the top left, of the scene behind a plane that is `cut` metres
+/// along the view direction from the world's origin.
 ///
 /// Surfaces are paler where they are farther away or face the reader, with lines where depth or normal are
-/// discontinuous. Surfaces that the plane cuts are dark lines, solids that it cuts dark areas. `is_air` are points outside
-/// solids: if most of them seem to be inside, the orientation of the triangles does not tell where solids are, and no
-/// areas are drawn.
+/// discontinuous. Surfaces that the plane cuts are dark lines, solids that it cuts dark areas. `is_air` are points
+/// outside solids: if most of them seem to be inside, the orientation of the triangles does not tell where solids are,
+/// and no areas are drawn.
 pub(super) fn cutaway(
     scene: &Scene,
     view: &View,
@@ -138,14 +138,14 @@ fn number_of(direction: Vec3) -> usize {
 
 /// The hits of rays from some points, in each of the directions.
 fn cast_rays(scene: &Scene, points: &[Vec3]) -> [Vec<Option<SurfaceHit>>; 6] {
-    let mut traversal = Traversal::default();
+    let mut query_state = QueryState::default();
     DIRECTIONS.map(|direction| {
         let rays: Vec<Ray> = points
             .iter()
             .map(|&point| Ray::new(point, direction))
             .collect();
         let mut hits = vec![None; rays.len()];
-        scene.closest_coherent(&rays, &mut hits, &mut traversal);
+        scene.closest_coherent(&rays, &mut hits, &mut query_state);
         let met = rays.iter().zip(hits).map(|(ray, hit)| {
             let hit = hit?;
             let normal = scene.normal(ray, &hit);

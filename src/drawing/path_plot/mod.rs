@@ -23,10 +23,10 @@ use sheet::Sheet;
 
 /// The text of an SVG file that plots a camera path through a scene.
 ///
-/// The plan is a section just above the highest position of the camera, seen from above. The elevation is a section just
-/// in front of the path, seen from the side, across the longer horizontal axis of the path and of what it looks at. Both
-/// show the path and its surroundings, up to a few times its own extent. `aspect` is the width of a frame over its
-/// height. `title` stands above.
+/// The plan is a section just above the highest position of the camera, seen from above. The elevation is a section
+/// just in front of the path, seen from the side, across the longer horizontal axis of the path and of what it looks
+/// at. Both show the path and its surroundings, up to a few times its own extent. `aspect` is the width of a frame over
+/// its height. `title` stands above.
 pub fn plot(
     scene: &Scene,
     path: &CameraPath,

@@ -110,7 +110,7 @@ impl Motion {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Interpolation, Keyframe, Orientation, PathTiming, Segment};
+    use crate::camera::{CameraPathTiming, Interpolation, Keyframe, Orientation, Segment};
     use glam::DQuat;
 
     fn key(time: f64, x: f64, degrees: f64, interpolation: Interpolation) -> Keyframe {
@@ -128,7 +128,7 @@ mod tests {
             key(1.0, 0.0, 0.0, Interpolation::Linear),
             key(1.0 + seconds, 6.0, turn, Interpolation::Linear),
         ];
-        CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("two keys")
+        CameraPath::new(10.0, &keys, &CameraPathTiming::BY_KEYS).expect("two keys")
     }
 
     #[test]
@@ -157,7 +157,8 @@ mod tests {
             key(2.0, 50.0, 0.0, Interpolation::Linear),
             key(3.0, 51.0, 0.0, Interpolation::Linear),
         ];
-        let path = CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("a path with a cut");
+        let path =
+            CameraPath::new(10.0, &keys, &CameraPathTiming::BY_KEYS).expect("a path with a cut");
         let motion = Motion::of(&path, 1.5);
         assert_eq!(motion.shots, [0..20, 20..31]);
         assert!((motion.length() - 2.0).abs() < 1e-9);
@@ -167,9 +168,9 @@ mod tests {
     fn closed_paths_are_closed() {
         let key = |time: f64, x: f64| key(time, x, 0.0, Interpolation::Linear);
         let keys = [key(0.0, 0.0), key(0.97, 1.0), key(2.0, 0.0)];
-        let timing = PathTiming {
+        let timing = CameraPathTiming {
             closed: true,
-            ..PathTiming::BY_KEYS
+            ..CameraPathTiming::BY_KEYS
         };
         let path = CameraPath::new(10.0, &keys, &timing).expect("a closed path");
         let motion = Motion::of(&path, 1.5);
@@ -188,7 +189,7 @@ mod tests {
             assert_eq!(motion.frame_at(time), frame);
         }
         let key = key(3.0, 0.0, 0.0, Interpolation::Linear);
-        let still = CameraPath::new(24.0, &[key], &PathTiming::BY_KEYS).expect("a still");
+        let still = CameraPath::new(24.0, &[key], &CameraPathTiming::BY_KEYS).expect("a still");
         let still = Motion::of(&still, 1.0);
         assert_eq!(still.frame_at(3.0), 0);
         assert!(still.speeds(&(0..1)).is_empty());

@@ -128,8 +128,8 @@ impl Marks {
         ]
     }
 
-    /// Draws a numbered square for each key, or for all keys at one point, and labels start and end. Without room for the
-    /// number the square is small.
+    /// Draws a numbered square for each key, or for all keys at one point, and labels start and end. Without room for
+    /// the number the square is small.
     fn draw_keys(
         &self,
         motion: &Motion,

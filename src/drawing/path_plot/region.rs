@@ -2,12 +2,13 @@
 
 use super::motion::Motion;
 use super::view::View;
-use crate::accel::Traversal;
+use crate::accel::QueryState;
 use crate::math::Ray;
 use crate::scene::Scene;
 use glam::{DVec2, DVec3};
 
-/// The margin around the path within which the scene is shown, relative to its reach; more would make the path too small.
+/// The margin around the path within which the scene is shown, relative to its reach; more would make the path too
+/// small.
 const SURROUNDINGS: f64 = 2.5;
 
 /// The number of frames whose view rays are cast.
@@ -71,8 +72,8 @@ impl Cuboid {
 }
 
 impl Region {
-    /// The path, and the scene within a few times its reach: its extent, or the median distance of what the camera looks
-    /// at.
+    /// The path, and the scene within a few times its reach: its extent, or the median distance of what the camera
+    /// looks at.
     pub(super) fn of(scene: &Scene, motion: &Motion) -> Region {
         let path = Cuboid::around(motion.cameras.iter().map(|camera| camera.position));
         let mut hits = view_hits(scene, motion);
@@ -142,7 +143,7 @@ fn view_hits(scene: &Scene, motion: &Motion) -> Vec<(DVec3, f64)> {
         .map(ray)
         .collect();
     let mut hits = vec![None; rays.len()];
-    scene.closest_incoherent(&rays, &mut hits, &mut Traversal::default());
+    scene.closest_incoherent(&rays, &mut hits, &mut QueryState::default());
     let pairs = rays.iter().zip(hits);
     let points =
         pairs.filter_map(|(ray, hit)| hit.map(|hit| (scene.origin + ray.at(hit.t), hit.t)));
@@ -152,7 +153,9 @@ fn view_hits(scene: &Scene, motion: &Motion) -> Vec<(DVec3, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{CameraPath, Interpolation, Keyframe, Orientation, PathTiming, Segment};
+    use crate::camera::{
+        CameraPath, CameraPathTiming, Interpolation, Keyframe, Orientation, Segment,
+    };
     use crate::geometry::Sphere;
     use crate::material::Material;
     use crate::scene::SceneBuilder;
@@ -176,7 +179,7 @@ mod tests {
             segment: Segment::of(Interpolation::Linear),
         };
         let keys = [(0.0, ends[0]), (1.0, ends[1])].map(key);
-        let path = CameraPath::new(10.0, &keys, &PathTiming::BY_KEYS).expect("two keys");
+        let path = CameraPath::new(10.0, &keys, &CameraPathTiming::BY_KEYS).expect("two keys");
         Region::of(&builder.build().0, &Motion::of(&path, 1.0))
     }
 

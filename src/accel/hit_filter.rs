@@ -10,9 +10,9 @@ use crate::math::Ray;
 /// conservative.
 pub(super) const DISTANCE_PADDING: f32 = 1.0 + 4.0 * f32::EPSILON;
 
-/// Passes a primitive that the ray meets at `t` to the query; returns whether the query is finished.
+/// Offers a hit at parameter `t` to the query; returns whether the query is finished.
 #[inline(always)]
-pub(super) fn record<const ANY_HIT: bool>(
+pub(super) fn accept_hit<const ANY_HIT: bool>(
     ray: &Ray,
     t: f64,
     primitive: u32,

@@ -1,4 +1,4 @@
-//! What a sequence is estimated to take, kept beside its frames, and how far off it was.
+//! The estimate of a sequence, saved beside its frames, and how far off it was.
 
 use super::error::JobError;
 use super::resolved_job::Job;
@@ -12,7 +12,7 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-/// An estimate as it is kept in the folder of the frames.
+/// An estimate as it is saved in the folder of the frames.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename = "Estimate")]
 pub struct SavedEstimate {
@@ -51,7 +51,7 @@ impl SavedEstimate {
     const FILE: &str = "estimate.ron";
 
     /// Bakes the irradiance cache if frames need one, renders a few frames, gives the job the samples that a budget
-    /// allows, and keeps the estimate in `out`, a folder that exists.
+    /// allows, and saves the estimate in `out`, a folder that exists.
     pub fn new(
         job: &mut Job,
         budget: Option<Duration>,
@@ -59,7 +59,7 @@ impl SavedEstimate {
         listener: Listener,
     ) -> Result<SavedEstimate, JobError> {
         if budget.is_some() && job.settings().target_error.is_some() {
-            return Err(JobError::BudgetBesideTarget);
+            return Err(JobError::BudgetWithTargetError);
         }
         job.bake(listener)?;
         let memory = resident_memory().map_or(0.0, |[now, _]| now);
@@ -68,17 +68,17 @@ impl SavedEstimate {
         let (estimate, choice) = match budget {
             // What was chosen before stays: frames are made of it.
             None => {
-                let kept = out.and_then(SavedEstimate::read);
+                let saved = out.and_then(SavedEstimate::read);
                 let estimate = Estimate::new(&job.workload(&sequence), memory);
-                (estimate, kept.and_then(|kept| kept.choice))
+                (estimate, saved.and_then(|saved| saved.choice))
             }
             Some(budget) => {
                 let seconds = budget.as_secs_f64();
                 let within = samples_within(job.workload(&sequence), seconds, memory);
                 let (samples, estimate) = within.ok_or(JobError::BudgetTooSmall { seconds })?;
-                job.take_samples(1);
+                job.set_samples(1);
                 let inputs_of_one_sample = hash(&job.sequence(folder)?);
-                job.take_samples(samples);
+                job.set_samples(samples);
                 let choice = SampleChoice {
                     samples,
                     budget: seconds,
@@ -123,7 +123,7 @@ impl SavedEstimate {
         let SavedEstimate {
             inputs, estimate, ..
         } = SavedEstimate::read(folder.path())?;
-        let is_whole = outcome.kept as usize == rendered.len() && !rendered.is_empty();
+        let is_whole = outcome.stored as usize == rendered.len() && !rendered.is_empty();
         if inputs != hash(folder.sequence()) || estimate.threads != threads || !is_whole {
             return None;
         }
@@ -135,37 +135,37 @@ impl SavedEstimate {
     }
 }
 
-/// Gives a job the samples that its folder was first rendered with under this budget. Whether there are any.
-fn choose_again(job: &mut Job, budget: Duration, out: &Path) -> Result<bool, JobError> {
+/// Sets the samples that were chosen for this budget before, and saved in the folder. Returns whether there are any.
+fn reuse_saved_choice(job: &mut Job, budget: Duration, out: &Path) -> Result<bool, JobError> {
     let unchosen = job.settings().sampling;
-    job.take_samples(1);
+    job.set_samples(1);
     let inputs_of_one_sample = hash(&job.sequence(out)?);
-    let choice = SavedEstimate::read(out).and_then(|kept| kept.choice);
+    let choice = SavedEstimate::read(out).and_then(|saved| saved.choice);
     let choice = choice.filter(|choice| {
         choice.budget == budget.as_secs_f64() && choice.inputs_of_one_sample == inputs_of_one_sample
     });
     match &choice {
-        Some(choice) => job.take_samples(choice.samples),
+        Some(choice) => job.set_samples(choice.samples),
         None => job.set_sampling(unchosen),
     }
     Ok(choice.is_some())
 }
 
-/// Gives a job the samples that a budget allows: those that were chosen before, or else as many as it allows now. Returns
-/// the choice, if it was made now.
-pub fn keep_within(
+/// Sets the samples that a budget allows: those that were chosen before, or else as many as it allows now. Returns the
+/// choice, if it was made now.
+pub fn choose_samples_for_budget(
     job: &mut Job,
     budget: Duration,
     out: &Path,
     listener: Listener,
 ) -> Result<Option<SampleChoice>, JobError> {
     make_folder(out)?;
-    if choose_again(job, budget, out)? {
+    if reuse_saved_choice(job, budget, out)? {
         return Ok(None);
     }
     // A process that starts at the same time waits for the choice of the first.
-    let _turn = PartFile::claim_in_turn(&out.join(SavedEstimate::FILE), Duration::MAX)?;
-    if choose_again(job, budget, out)? {
+    let _lock = PartFile::lock_with_timeout(&out.join(SavedEstimate::FILE), Duration::MAX)?;
+    if reuse_saved_choice(job, budget, out)? {
         return Ok(None);
     }
     SavedEstimate::new(job, Some(budget), Some(out), listener).map(|saved| saved.choice)

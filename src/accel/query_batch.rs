@@ -2,8 +2,8 @@
 //! no tree, gathered into packets.
 
 use super::bvh::Bvh;
+use super::query_state::QueryState;
 use super::ray_packet::RayPacket;
-use super::traversal::Traversal;
 use super::traverse_packet::TraversePacket;
 use super::watertight::permuted_axes;
 use crate::geometry::Hit;
@@ -19,12 +19,12 @@ impl Bvh {
         &self,
         rays: &[Ray],
         hits: &mut [Option<Hit>],
-        traversal: &mut Traversal,
+        query_state: &mut QueryState,
     ) {
         for (rays, hits) in rays.chunks(PACKET_WIDTH).zip(hits.chunks_mut(PACKET_WIDTH)) {
             let (packet, rays) = (RayPacket::new(rays), rays.iter().enumerate());
             let emit = |lane: usize, hit: Hit| hits[lane] = hit.found();
-            self.query_packet::<false, _>(&packet, rays, traversal, emit);
+            self.query_packet::<false, _>(&packet, rays, query_state, emit);
         }
     }
 
@@ -35,20 +35,22 @@ impl Bvh {
         &self,
         rays: &[Ray],
         hits: &mut [Option<Hit>],
-        traversal: &mut Traversal,
+        query_state: &mut QueryState,
     ) {
         let rays = rays.iter().enumerate();
-        self.query_incoherent::<false, _>(rays, traversal, |index, hit| hits[index] = hit.found());
+        self.query_incoherent::<false, _>(rays, query_state, |index, hit| {
+            hits[index] = hit.found()
+        });
     }
 
     /// The mask of the active rays of a packet that have something in their interval, as [`Bvh::occluded`].
     ///
     /// Fast for coherent rays, with the same result for any.
-    pub fn occluded_coherent(&self, packet: &RayPacket, traversal: &mut Traversal) -> u32 {
+    pub fn occluded_coherent(&self, packet: &RayPacket, query_state: &mut QueryState) -> u32 {
         let mut occluded = 0;
         if packet.active != 0 {
             let rays = packet.active_rays();
-            self.query_packet::<true, _>(packet, rays, traversal, |lane, hit| {
+            self.query_packet::<true, _>(packet, rays, query_state, |lane, hit| {
                 occluded |= u32::from(!hit.is_miss()) << lane;
             });
         }
@@ -61,7 +63,7 @@ impl Bvh {
     pub fn occluded_incoherent<'a>(
         &self,
         packets: impl ExactSizeIterator<Item = &'a RayPacket>,
-        traversal: &mut Traversal,
+        query_state: &mut QueryState,
     ) -> Vec<u32> {
         let mut occluded = vec![0; packets.len()];
         // Written out first: a ray that is read whole right after its parts were written waits for them.
@@ -71,7 +73,7 @@ impl Bvh {
             rays.extend(of_packet.map(|(lane, ray)| (index * PACKET_WIDTH + lane, ray)));
         }
         let rays = rays.iter().map(|(index, ray)| (*index, ray));
-        self.query_incoherent::<true, _>(rays, traversal, |index, hit| {
+        self.query_incoherent::<true, _>(rays, query_state, |index, hit| {
             occluded[index / PACKET_WIDTH] |= u32::from(!hit.is_miss()) << (index % PACKET_WIDTH);
         });
         occluded
@@ -84,14 +86,14 @@ impl Bvh {
         &self,
         packet: &RayPacket,
         rays: impl Iterator<Item = (usize, R)>,
-        traversal: &mut Traversal,
+        query_state: &mut QueryState,
         mut emit: impl FnMut(usize, Hit),
     ) {
-        if let Some(hits) = self.try_packet::<ANY_HIT>(packet, traversal) {
+        if let Some(hits) = self.try_packet::<ANY_HIT>(packet, query_state) {
             let lanes = packet.active_lanes();
             lanes.for_each(|lane| emit(lane, hits[lane]));
         } else {
-            self.query_incoherent::<ANY_HIT, _>(rays, traversal, emit);
+            self.query_incoherent::<ANY_HIT, _>(rays, query_state, emit);
         }
     }
 
@@ -100,14 +102,14 @@ impl Bvh {
     fn try_packet<const ANY_HIT: bool>(
         &self,
         packet: &RayPacket,
-        traversal: &mut Traversal,
+        query_state: &mut QueryState,
     ) -> Option<[Hit; PACKET_WIDTH]> {
         let hits = self.kernel.run(TraversePacket::<ANY_HIT> {
             bvh: self,
             packet,
-            stack: &mut traversal.packet_stack,
+            stack: &mut query_state.packet_stack,
         })?;
-        traversal.rays += u64::from(packet.active.count_ones());
+        query_state.rays += u64::from(packet.active.count_ones());
         Some(hits)
     }
 
@@ -117,19 +119,19 @@ impl Bvh {
     fn query_incoherent<const ANY_HIT: bool, R: Borrow<Ray>>(
         &self,
         rays: impl Iterator<Item = (usize, R)>,
-        traversal: &mut Traversal,
+        query_state: &mut QueryState,
         mut emit: impl FnMut(usize, Hit),
     ) {
         if !self.nodes.is_empty() {
             for (index, ray) in rays {
-                emit(index, self.query::<ANY_HIT>(ray.borrow(), traversal));
+                emit(index, self.query::<ANY_HIT>(ray.borrow(), query_state));
             }
             return;
         }
         let mut packets = [RayPacket::EMPTY; 3];
         let mut indices = [[0; PACKET_WIDTH]; 3];
         let mut flush = |packet: &RayPacket, indices: &[usize; PACKET_WIDTH]| {
-            let hits = self.try_packet::<ANY_HIT>(packet, traversal);
+            let hits = self.try_packet::<ANY_HIT>(packet, query_state);
             let hits = hits.expect("a common major axis is enough where there is no tree");
             let lanes = packet.active_lanes();
             lanes.for_each(|lane| emit(indices[lane], hits[lane]));

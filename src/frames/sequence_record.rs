@@ -1,4 +1,4 @@
-//! What the frames of a folder are to be: `sequence.ron`.
+//! `sequence.ron`, the expected frames of a folder: format, size, input hashes.
 
 use super::format::FrameFormat;
 use super::record::{FrameError, FrameRecord};
@@ -17,7 +17,7 @@ pub struct SequenceRecord {
     /// Builds whose frames count as this one's.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub accepted_builds: Vec<String>,
-    /// What was asked for, to be able to ask again. The frame store carries it and does not read it.
+    /// The job spec as RON, for re-rendering. The frame store does not read it.
     pub job: Box<RawValue>,
     /// Frames per second of the video.
     pub fps: f64,
@@ -31,7 +31,7 @@ pub struct SequenceRecord {
     pub format: FrameFormat,
     /// Exposure in stops of PNG frames.
     pub exposure: f32,
-    /// Whether the error of every pixel is kept beside the frames.
+    /// Whether the error of every pixel is stored beside the frames.
     pub error_maps: bool,
     /// Whether frames look indirect light up in an irradiance cache.
     pub irradiance_cache: bool,
@@ -67,7 +67,7 @@ impl SequenceRecord {
     pub fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
         let RenderedFrame {
             mut film,
-            deviation,
+            half_difference,
             error,
             ..
         } = rendered;
@@ -76,21 +76,21 @@ impl SequenceRecord {
         }
         let error = error.map(FrameError::from);
         let encode = |format: FrameFormat, film: &Film| -> Result<Vec<u8>, SinkError> {
-            let picture = format.picture(film);
+            let pixels = format.encode_pixels(film);
             let record = FrameRecord {
                 frame,
                 build: self.build.clone(),
                 input_hash: self.input_hashes[frame as usize].clone(),
-                pixels: picture.hash().to_string(),
+                pixel_hash: pixels.hash().to_string(),
                 error,
             };
-            Ok(format.encode(&picture, &record.to_text()?)?)
+            Ok(format.encode(&pixels, &record.to_text()?)?)
         };
-        let picture = encode(self.format, &film)?;
-        let wanted = deviation.filter(|_| self.error_maps);
+        let image = encode(self.format, &film)?;
+        let wanted = half_difference.filter(|_| self.error_maps);
         let error_map = wanted.map(|map| encode(FrameFormat::Exr, &magnitude(map)));
         Ok(EncodedFrame {
-            picture,
+            image,
             error_map: error_map.transpose()?,
         })
     }
@@ -100,7 +100,7 @@ impl SequenceRecord {
         ron::ser::to_string_pretty(self, pretty)
     }
 
-    /// What a file says; an error if it is no record of a sequence or contradicts itself.
+    /// Reads a file's text; an error if it is no record of a sequence or contradicts itself.
     pub(super) fn from_text(text: &str) -> Result<SequenceRecord, String> {
         let sequence: SequenceRecord = ron::from_str(text).map_err(|error| error.to_string())?;
         match sequence.input_hashes.len() as u64 == u64::from(sequence.frames) {

@@ -1,4 +1,4 @@
-//! Values that a path interpolates: numbers, vectors and rotations.
+//! Cubic Hermite curves through numbers, vectors and rotations.
 
 use super::rotation::{exp, log};
 use glam::{DQuat, DVec3};
@@ -6,26 +6,26 @@ use std::fmt::Debug;
 use std::ops::{Add, Mul};
 
 /// A value that can be interpolated.
-pub(super) trait Value: Copy + Debug {
-    /// The difference of two values and the derivative of a curve of them: a real vector space.
-    type Step: Copy + Debug + Add<Output = Self::Step> + Mul<f64, Output = Self::Step>;
+pub(super) trait Interpolable: Copy + Debug {
+    /// Differences of values and derivatives of curves through them: a real vector space.
+    type Tangent: Copy + Debug + Add<Output = Self::Tangent> + Mul<f64, Output = Self::Tangent>;
 
     /// The step from this value to another.
-    fn step_to(self, other: Self) -> Self::Step;
+    fn step_to(self, other: Self) -> Self::Tangent;
 
     /// The length of a step.
-    fn length(step: Self::Step) -> f64;
+    fn length(step: Self::Tangent) -> f64;
 
     /// The inner product of two steps.
-    fn dot(a: Self::Step, b: Self::Step) -> f64;
+    fn dot(a: Self::Tangent, b: Self::Tangent) -> f64;
 
     /// The point at parameter `s` in [0, 1] of the cubic Hermite curve from here by `step`, with derivatives `start`
     /// and `end` at its ends.
-    fn cubic(self, step: Self::Step, start: Self::Step, end: Self::Step, s: f64) -> Self;
+    fn cubic(self, step: Self::Tangent, start: Self::Tangent, end: Self::Tangent, s: f64) -> Self;
 }
 
 /// The Hermite basis: the weights of step, start and end derivative.
-pub(super) fn weights(s: f64) -> [f64; 3] {
+pub(super) fn hermite_basis(s: f64) -> [f64; 3] {
     let t = 1.0 - s;
     [s * s * (3.0 - 2.0 * s), s * t * t, -s * s * t]
 }
@@ -37,12 +37,12 @@ fn offset<T: Copy + Add<Output = T> + Mul<f64, Output = T>>(
     end: T,
     s: f64,
 ) -> T {
-    let [a, b, c] = weights(s);
+    let [a, b, c] = hermite_basis(s);
     step * a + (start * b + end * c)
 }
 
-impl Value for f64 {
-    type Step = f64;
+impl Interpolable for f64 {
+    type Tangent = f64;
 
     fn step_to(self, other: f64) -> f64 {
         other - self
@@ -61,8 +61,8 @@ impl Value for f64 {
     }
 }
 
-impl Value for DVec3 {
-    type Step = DVec3;
+impl Interpolable for DVec3 {
+    type Tangent = DVec3;
 
     fn step_to(self, other: DVec3) -> DVec3 {
         other - self
@@ -83,8 +83,8 @@ impl Value for DVec3 {
 
 /// Rotations, by unit quaternions of either sign. Steps are rotation vectors of less than half a turn, derivatives
 /// are angular velocities, both in the coordinates of the rotated body.
-impl Value for DQuat {
-    type Step = DVec3;
+impl Interpolable for DQuat {
+    type Tangent = DVec3;
 
     fn step_to(self, other: DQuat) -> DVec3 {
         log(self.conjugate() * other)

@@ -7,12 +7,12 @@
 /// Film positions are pixels or, where neighbouring pixels share the samples in their corners, the corners. Sequences
 /// of different film positions, frames or seeds are independent of each other.
 #[derive(Clone, Copy, Debug)]
-pub struct Sequence {
+pub struct SobolSequence {
     seed: u32,
 }
 
 /// The sampling technique of a sample of a mixture, and the sample's index among those of this technique: see
-/// [`Sequence::choose_technique`].
+/// [`SobolSequence::choose_technique`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MixtureChoice {
     /// Three of four samples.
@@ -21,18 +21,18 @@ pub enum MixtureChoice {
     Guided(u32),
 }
 
-impl Sequence {
+impl SobolSequence {
     /// The sequence of film position (x, y) in `frame`.
-    pub fn new(seed: u32, frame: u32, x: u32, y: u32) -> Sequence {
+    pub fn new(seed: u32, frame: u32, x: u32, y: u32) -> SobolSequence {
         let seed = [frame, x, y].into_iter().fold(hash(seed), |h, v| {
             hash(h ^ hash(v.wrapping_add(0x9e37_79b9)))
         });
-        Sequence { seed }
+        SobolSequence { seed }
     }
 
     /// The sequence for A/B half buffer `half` (0 or 1): independent of the other half's and of `self`.
-    pub fn half(self, half: u32) -> Sequence {
-        Sequence {
+    pub fn for_half_buffer(self, half: u32) -> SobolSequence {
+        SobolSequence {
             seed: hash(self.seed ^ (half + 1).wrapping_mul(0x632b_e5ab)),
         }
     }
@@ -53,7 +53,7 @@ impl Sequence {
         [unit(both as u32), unit((both >> 32) as u32)]
     }
 
-    /// The number of sample `index` in [0, 1), independent of the points of [`Sequence::sample_2d`] with the same
+    /// The number of sample `index` in [0, 1), independent of the points of [`SobolSequence::sample_2d`] with the same
     /// `pair`. Any 2^k consecutive samples from a multiple of 2^k on have one number in every 2^k-th of [0, 1).
     #[inline]
     pub fn sample_1d(self, index: u32, pair: u32) -> f32 {
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn every_elementary_interval_holds_one_point() {
-        let sequence = Sequence::new(1, 2, 3, 4);
+        let sequence = SobolSequence::new(1, 2, 3, 4);
         for pair in [0, 1, 7, 300] {
             for first in [0, 64, 64 * 1025, 1 << 31] {
                 let points: Vec<_> = (0..64)
@@ -153,7 +153,7 @@ mod tests {
     fn one_of_four_samples_is_guided_and_no_index_is_used_twice() {
         let mut places = [0; 4];
         for x in 0..1000 {
-            let sequence = Sequence::new(0, 0, x, 0);
+            let sequence = SobolSequence::new(0, 0, x, 0);
             let mut choices: Vec<MixtureChoice> =
                 (0..64).map(|i| sequence.choose_technique(i, 3)).collect();
             for four in choices.chunks(4) {
@@ -182,21 +182,21 @@ mod tests {
 
     #[test]
     fn positions_frames_seeds_and_pairs_do_not_correlate() {
-        let base = Sequence::new(0, 0, 0, 0);
+        let base = SobolSequence::new(0, 0, 0, 0);
         let n = 4096;
-        let draw = |s: Sequence, pair: u32| -> Vec<f64> {
+        let draw = |s: SobolSequence, pair: u32| -> Vec<f64> {
             (0..n)
                 .map(|i| f64::from(s.sample_2d(i, pair)[0]) - 0.5)
                 .collect()
         };
         let first = draw(base, 1);
         let others = [
-            draw(Sequence::new(0, 0, 1, 0), 1),
-            draw(Sequence::new(0, 0, 0, 1), 1),
-            draw(Sequence::new(0, 1, 0, 0), 1),
-            draw(Sequence::new(1, 0, 0, 0), 1),
-            draw(base.half(0), 1),
-            draw(base.half(1), 1),
+            draw(SobolSequence::new(0, 0, 1, 0), 1),
+            draw(SobolSequence::new(0, 0, 0, 1), 1),
+            draw(SobolSequence::new(0, 1, 0, 0), 1),
+            draw(SobolSequence::new(1, 0, 0, 0), 1),
+            draw(base.for_half_buffer(0), 1),
+            draw(base.for_half_buffer(1), 1),
             draw(base, 2),
             (0..n)
                 .map(|i| f64::from(base.sample_2d(i, 1)[1]) - 0.5)
@@ -205,7 +205,10 @@ mod tests {
                 .map(|i| f64::from(base.sample_1d(i, 1)) - 0.5)
                 .collect(),
         ];
-        let halves = (draw(base.half(0), 2), draw(base.half(1), 2));
+        let halves = (
+            draw(base.for_half_buffer(0), 2),
+            draw(base.for_half_buffer(1), 2),
+        );
         let pairs = others.iter().map(|other| (&first, other));
         for (first, other) in pairs.chain([(&halves.0, &halves.1)]) {
             let sum: f64 = first.iter().zip(other).map(|(a, b)| 12.0 * a * b).sum();

@@ -1,4 +1,4 @@
-//! The values of a frame's points, refined pass by pass.
+//! Accumulates the samples of a frame's points, pass by pass.
 
 use super::grid::Grid;
 use super::observer::RenderObserver;
@@ -14,8 +14,8 @@ struct RefinedTile {
     non_finite: u64,
 }
 
-/// The values of a frame's points so far.
-pub(super) struct Estimates {
+/// The mean of the samples of each point of a frame so far.
+pub(super) struct SampleAccumulator {
     /// The mean of each point, half buffer by half buffer.
     pub(super) values: Vec<Vec3>,
     /// How many passes each point has.
@@ -24,9 +24,9 @@ pub(super) struct Estimates {
     pub(super) non_finite: u64,
 }
 
-impl Estimates {
-    pub(super) fn new(grid: Grid, sampler: &Sampler) -> Estimates {
-        Estimates {
+impl SampleAccumulator {
+    pub(super) fn new(grid: Grid, sampler: &Sampler) -> SampleAccumulator {
+        SampleAccumulator {
             values: vec![Vec3::ZERO; grid.len() * sampler.half_buffers],
             passes: vec![0; grid.len()],
             rays: 0,
@@ -45,8 +45,8 @@ impl Estimates {
     ) {
         let taken = &self.passes;
         let passes = |point| {
-            let number = grid.number(point);
-            (taken[number], wanted(number))
+            let index = grid.index(point);
+            (taken[index], wanted(index))
         };
         let refined: Vec<RefinedTile> = (0..grid.tiles())
             .into_par_iter()
@@ -59,11 +59,11 @@ impl Estimates {
                 });
                 let mut work = Work::default();
                 let means = sampler.means(&points, passes, &mut work);
-                observer.tile_done(work.traversal.rays);
+                observer.tile_done(work.query_state.rays);
                 RefinedTile {
                     points,
                     means,
-                    rays: work.traversal.rays,
+                    rays: work.query_state.rays,
                     non_finite: work.non_finite,
                 }
             })
@@ -74,14 +74,14 @@ impl Estimates {
                 .iter()
                 .zip(tile.means.chunks(sampler.half_buffers))
             {
-                let number = grid.number(point);
-                let (before, now) = (self.passes[number], wanted(number));
+                let index = grid.index(point);
+                let (before, now) = (self.passes[index], wanted(index));
                 let fraction = (now - before) as f32 / now as f32;
-                let values = &mut self.values[number * sampler.half_buffers..];
+                let values = &mut self.values[index * sampler.half_buffers..];
                 for (value, mean) in values.iter_mut().zip(means) {
                     *value += fraction * (mean - *value);
                 }
-                self.passes[number] = now;
+                self.passes[index] = now;
             }
             self.rays += tile.rays;
             self.non_finite += tile.non_finite;

@@ -17,7 +17,7 @@ pub(super) fn fit_gradients(
 ) -> Vec<LinearIrradiance> {
     let numbers = (0..records.len()).into_par_iter();
     numbers
-        .map(|number| fit_at(records, &records[number], mean_radiance))
+        .map(|index| fit_at(records, &records[index], mean_radiance))
         .collect()
 }
 
@@ -30,13 +30,13 @@ fn fit_at(
     let mut matrix = DMat3::ZERO;
     let mut right_sides = [DVec3::ZERO; 3];
     // The record itself is among those visited.
-    records.visit(record.position, record.normal, 1.0, |number, weight| {
+    records.visit(record.position, record.normal, 1.0, |index, weight| {
         let weight = f64::from(weight);
-        let offset = (records[number].position - record.position) / record.radius;
+        let offset = (records[index].position - record.position) / record.radius;
         let [x, y] = tangents.map(|tangent| f64::from(offset.dot(tangent)));
         let row = DVec3::new(1.0, x, y);
         matrix += weight * DMat3::from_cols(row, x * row, y * row);
-        for (side, channel) in right_sides.iter_mut().zip(mean_radiance[number].to_array()) {
+        for (side, channel) in right_sides.iter_mut().zip(mean_radiance[index].to_array()) {
             *side += weight * f64::from(channel) * row;
         }
     });
@@ -87,8 +87,8 @@ mod tests {
             values.push(expected(position));
         }
         let fitted = fit_gradients(&records, &values);
-        for (number, linear) in fitted.iter().enumerate() {
-            let record = &records[number];
+        for (index, linear) in fitted.iter().enumerate() {
+            let record = &records[index];
             if record.position.length() < 0.6 {
                 for offset in [Vec3::ZERO, 0.3 * to_world(normal, Vec3::X)] {
                     let error = linear.at(offset) - expected(record.position + offset);

@@ -8,14 +8,14 @@ use glam::{Vec3, Vec4};
 /// Four lanes, so that unions of boxes are vector instructions; the fourth of `min` holds the number, that of
 /// `max` is unused.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reference {
+pub(super) struct PrimitiveRef {
     pub(super) min: Vec4,
     pub(super) max: Vec4,
 }
 
-impl Reference {
-    pub(super) fn new(bounds: Aabb, id: u32) -> Reference {
-        Reference {
+impl PrimitiveRef {
+    pub(super) fn new(bounds: Aabb, id: u32) -> PrimitiveRef {
+        PrimitiveRef {
             min: bounds.min.extend(f32::from_bits(id)),
             max: bounds.max.extend(0.0),
         }
@@ -27,7 +27,7 @@ impl Reference {
 
     /// Twice the box's centre.
     #[inline(always)]
-    pub(super) fn center(&self) -> Vec4 {
+    pub(super) fn doubled_center(&self) -> Vec4 {
         self.min + self.max
     }
 }
@@ -37,19 +37,19 @@ impl Reference {
 pub(super) struct Extent {
     pub(super) min: Vec4,
     pub(super) max: Vec4,
-    pub(super) center_min: Vec4,
-    pub(super) center_max: Vec4,
+    pub(super) doubled_center_min: Vec4,
+    pub(super) doubled_center_max: Vec4,
 }
 
 impl Extent {
     pub(super) const EMPTY: Extent = Extent {
         min: Vec4::INFINITY,
         max: Vec4::NEG_INFINITY,
-        center_min: Vec4::INFINITY,
-        center_max: Vec4::NEG_INFINITY,
+        doubled_center_min: Vec4::INFINITY,
+        doubled_center_max: Vec4::NEG_INFINITY,
     };
 
-    pub(super) fn of(references: &[Reference]) -> Extent {
+    pub(super) fn of(references: &[PrimitiveRef]) -> Extent {
         let mut extent = Extent::EMPTY;
         for reference in references {
             extent.add(reference);
@@ -58,11 +58,11 @@ impl Extent {
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, reference: &Reference) {
+    pub(super) fn add(&mut self, reference: &PrimitiveRef) {
         self.min = self.min.min(reference.min);
         self.max = self.max.max(reference.max);
-        self.center_min = self.center_min.min(reference.center());
-        self.center_max = self.center_max.max(reference.center());
+        self.doubled_center_min = self.doubled_center_min.min(reference.doubled_center());
+        self.doubled_center_max = self.doubled_center_max.max(reference.doubled_center());
     }
 
     pub(super) fn bounds(&self) -> Aabb {

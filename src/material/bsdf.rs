@@ -1,77 +1,11 @@
-//! Materials as the scene defines them, and their reflectance at a point.
+//! The reflection of a surface at a point: diffuse, Phong highlight and mirror.
 
-use super::features::{FeatureSet, Features};
-use crate::texture::Texture;
-use glam::{Vec2, Vec3};
+use super::features::Features;
+use glam::Vec3;
 
-/// A material as the scene defines it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// Diffuse reflectance, 0..1; multiplied by the texture where there is one.
-    pub diffuse: Vec3,
-    /// The number of a texture of the scene.
-    pub texture: Option<usize>,
-    /// Weight of the Phong highlight, 0 or more.
-    pub specular: Vec3,
-    /// Exponent of the Phong highlight, 0 or more.
-    pub shininess: f32,
-    /// Weight of the mirror, 0..1; that of the base layer is 1 less this.
-    pub reflective: Vec3,
-}
-
-impl Material {
-    /// A Lambert surface.
-    pub const fn lambert(diffuse: Vec3) -> Material {
-        Material {
-            diffuse,
-            texture: None,
-            specular: Vec3::ZERO,
-            shininess: 0.0,
-            reflective: Vec3::ZERO,
-        }
-    }
-
-    /// The features of materials; `mixes` says whether a triangle mixes some of them.
-    pub fn features<'a>(
-        materials: impl IntoIterator<Item = &'a Material>,
-        mixes: bool,
-    ) -> FeatureSet {
-        let [mut textures, mut highlights, mut mirrors] = [false; 3];
-        for material in materials {
-            textures |= material.texture.is_some();
-            highlights |= material.specular != Vec3::ZERO;
-            mirrors |= material.reflective != Vec3::ZERO;
-        }
-        FeatureSet::new(textures, highlights, mirrors, mixes)
-    }
-
-    /// The material at texture coordinate `uv`.
-    #[inline]
-    pub fn at<F: Features>(&self, uv: Vec2, textures: &[Texture]) -> Reflectance {
-        let texel = match self.texture {
-            Some(id) if F::TEXTURES => textures[id].sample(uv),
-            _ => Vec3::ONE,
-        };
-        Reflectance {
-            diffuse: self.diffuse * texel,
-            specular: if F::HIGHLIGHTS {
-                self.specular
-            } else {
-                Vec3::ZERO
-            },
-            shininess: self.shininess,
-            reflective: if F::MIRRORS {
-                self.reflective
-            } else {
-                Vec3::ZERO
-            },
-        }
-    }
-}
-
-/// A material at one point, with its texture applied.
+/// How a surface reflects light at one point, with its texture applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reflectance {
+pub struct Bsdf {
     /// Diffuse reflectance, 0..1.
     pub diffuse: Vec3,
     /// Weight of the Phong highlight.
@@ -82,10 +16,10 @@ pub struct Reflectance {
     pub reflective: Vec3,
 }
 
-impl Reflectance {
+impl Bsdf {
     /// Weight of the mirror.
     #[inline]
-    pub fn mirror<F: Features>(&self) -> Vec3 {
+    pub fn mirror_weight<F: Features>(&self) -> Vec3 {
         if F::MIRRORS {
             self.reflective
         } else {
@@ -93,9 +27,9 @@ impl Reflectance {
         }
     }
 
-    /// Whether the base layer reflects the light of point lights.
+    /// Whether the base layer reflects direct light.
     #[inline]
-    pub fn reflects_light<F: Features>(&self) -> bool {
+    pub fn has_direct<F: Features>(&self) -> bool {
         self.base_weight::<F>() != Vec3::ZERO
             && (self.diffuse != Vec3::ZERO || F::HIGHLIGHTS && self.specular != Vec3::ZERO)
     }
@@ -109,17 +43,17 @@ impl Reflectance {
     /// Weight of the base layer.
     #[inline]
     pub fn base_weight<F: Features>(&self) -> Vec3 {
-        Vec3::ONE - self.mirror::<F>()
+        Vec3::ONE - self.mirror_weight::<F>()
     }
 
     /// The mean of three, weighted by barycentric coordinates that sum to 1.
-    pub fn barycentric(vertices: [Reflectance; 3], weights: [f32; 3]) -> Reflectance {
-        let mix = |of: fn(&Reflectance) -> Vec3| {
+    pub fn barycentric(vertices: [Bsdf; 3], weights: [f32; 3]) -> Bsdf {
+        let mix = |of: fn(&Bsdf) -> Vec3| {
             of(&vertices[0]) * weights[0]
                 + of(&vertices[1]) * weights[1]
                 + of(&vertices[2]) * weights[2]
         };
-        Reflectance {
+        Bsdf {
             diffuse: mix(|r| r.diffuse),
             specular: mix(|r| r.specular),
             shininess: mix(|r| Vec3::splat(r.shininess)).x,
@@ -127,22 +61,17 @@ impl Reflectance {
         }
     }
 
-    /// The factor of the base layer on a light's colour: kd cos + ks (R.V)^shininess, cos = N.L, for light that arrives
-    /// from `to_light` and leaves to `to_viewer` (Phong 1975). Zero for light from behind.
+    /// The BRDF of the base layer times pi times the cosine: kd cos + ks (R.V)^shininess, cos = N.L, for light that
+    /// arrives from `to_light` and leaves to `to_viewer` (Phong 1975). Zero for light from behind.
     #[inline]
-    pub fn reflect_light<F: Features>(
-        &self,
-        normal: Vec3,
-        to_light: Vec3,
-        to_viewer: Vec3,
-    ) -> Vec3 {
+    pub fn eval_cos<F: Features>(&self, normal: Vec3, to_light: Vec3, to_viewer: Vec3) -> Vec3 {
         let cos = normal.dot(to_light);
         if cos <= 0.0 {
             return Vec3::ZERO;
         }
         let mut factor = self.diffuse * cos;
         if F::HIGHLIGHTS && self.specular != Vec3::ZERO {
-            let highlight = mirror(to_light, normal).dot(to_viewer).max(0.0);
+            let highlight = reflect(to_light, normal).dot(to_viewer).max(0.0);
             factor += self.specular * power(highlight, self.shininess);
         }
         factor
@@ -172,16 +101,16 @@ fn power(base: f32, exponent: f32) -> f32 {
 
 /// The mirror reflection of `direction` at a surface with unit `normal`; both directions point away.
 #[inline]
-pub fn mirror(direction: Vec3, normal: Vec3) -> Vec3 {
+pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
     normal * (2.0 * normal.dot(direction)) - direction
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::features::Only;
+    use super::super::features::FeatureMask;
     use super::*;
 
-    const PLASTIC: Reflectance = Reflectance {
+    const PLASTIC: Bsdf = Bsdf {
         diffuse: Vec3::new(0.5, 0.25, 0.0),
         specular: Vec3::splat(0.5),
         shininess: 2.0,
@@ -192,14 +121,14 @@ mod tests {
     fn lambert_and_phong_by_hand() {
         let sixty = Vec3::new(0.75_f32.sqrt(), 0.5, 0.0);
         // Viewer along the mirrored light: cos = 1/2, R.V = 1.
-        let seen = PLASTIC.reflect_light::<Only<2>>(Vec3::Y, sixty, mirror(sixty, Vec3::Y));
+        let seen = PLASTIC.eval_cos::<FeatureMask<2>>(Vec3::Y, sixty, reflect(sixty, Vec3::Y));
         assert!((seen - Vec3::new(0.75, 0.625, 0.5)).length() < 1e-6);
         // Viewer along the normal: R.V = 1/2, squared a quarter, times 1/2.
-        let seen = PLASTIC.reflect_light::<Only<2>>(Vec3::Y, sixty, Vec3::Y);
+        let seen = PLASTIC.eval_cos::<FeatureMask<2>>(Vec3::Y, sixty, Vec3::Y);
         assert!((seen - Vec3::new(0.375, 0.25, 0.125)).length() < 1e-6);
         // Light from below the surface.
         assert_eq!(
-            PLASTIC.reflect_light::<Only<2>>(Vec3::Y, -sixty, Vec3::Y),
+            PLASTIC.eval_cos::<FeatureMask<2>>(Vec3::Y, -sixty, Vec3::Y),
             Vec3::ZERO
         );
     }
@@ -219,13 +148,13 @@ mod tests {
 
     #[test]
     fn vertices_mix_in_every_part() {
-        let other = Reflectance {
+        let other = Bsdf {
             diffuse: Vec3::ONE,
             specular: Vec3::ZERO,
             shininess: 10.0,
             reflective: Vec3::X,
         };
-        let mixed = Reflectance::barycentric([PLASTIC, other, other], [0.5, 0.25, 0.25]);
+        let mixed = Bsdf::barycentric([PLASTIC, other, other], [0.5, 0.25, 0.25]);
         assert_eq!(mixed.diffuse, Vec3::new(0.75, 0.625, 0.5));
         assert_eq!(mixed.specular, Vec3::splat(0.25));
         assert_eq!(mixed.shininess, 6.0);

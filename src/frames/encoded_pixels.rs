@@ -1,11 +1,11 @@
-//! Pixels as a file stores them, and the note beside them.
+//! Pixels as a file stores them, and the metadata beside them.
 
-/// Under this name a file's note is found in it.
-pub(super) const NOTE: &str = "flythrough";
+/// The keyword of the PNG text chunk, and the name of the EXR attribute, that holds a file's metadata.
+pub(super) const METADATA_KEY: &str = "flythrough";
 
-/// A picture as a file stores it.
+/// The pixels of an image as a file stores them.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) struct Picture {
+pub(super) struct EncodedPixels {
     /// Columns.
     pub(super) width: u32,
     /// Rows.
@@ -14,8 +14,8 @@ pub(super) struct Picture {
     pub(super) samples: Vec<u8>,
 }
 
-impl Picture {
-    /// A hash of its size and its samples.
+impl EncodedPixels {
+    /// A hash of size and samples.
     pub(super) fn hash(&self) -> blake3::Hash {
         let mut hasher = blake3::Hasher::new();
         hasher.update(&self.width.to_le_bytes());
@@ -27,8 +27,8 @@ impl Picture {
 
 /// What is in a file.
 pub(super) struct Contents {
-    /// What the file says; none if it says nothing.
-    pub(super) note: Option<String>,
+    /// The text under [`METADATA_KEY`]; none if there is none.
+    pub(super) metadata: Option<String>,
     /// None if its size or its kind is not the one expected.
-    pub(super) picture: Option<Picture>,
+    pub(super) pixels: Option<EncodedPixels>,
 }

@@ -4,7 +4,7 @@ use super::stack::{PacketStack, Stack};
 
 /// Scratch space of ray queries, one for each thread, and the count of its rays.
 #[derive(Debug, Default)]
-pub struct Traversal {
+pub struct QueryState {
     pub(super) stack: Stack,
     pub(super) packet_stack: PacketStack,
     /// How many queries have been answered.

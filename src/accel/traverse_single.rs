@@ -3,8 +3,8 @@
 //! Packets").
 
 use super::bvh::Bvh;
+use super::hit_filter::{DISTANCE_PADDING, accept_hit};
 use super::node::{BoxRay, Child, ROOT};
-use super::query::{DISTANCE_PADDING, record};
 use super::stack::Stack;
 use super::watertight::{ShearedRays, permuted_axes};
 use crate::geometry::Hit;
@@ -12,25 +12,25 @@ use crate::math::Ray;
 use crate::simd::{Floats, Simd, WithSimd};
 
 /// The closest hit of a ray, or, if `ANY_HIT`, some hit in its interval; [`Hit::MISS`] if there is none.
-pub(super) struct Traverse<'a, const ANY_HIT: bool> {
+pub(super) struct TraverseSingle<'a, const ANY_HIT: bool> {
     pub(super) bvh: &'a Bvh,
     pub(super) ray: &'a Ray,
     pub(super) stack: &'a mut Stack,
 }
 
-impl<const ANY_HIT: bool> WithSimd for Traverse<'_, ANY_HIT> {
+impl<const ANY_HIT: bool> WithSimd for TraverseSingle<'_, ANY_HIT> {
     type Output = Hit;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self) -> Hit {
-        let Traverse { bvh, ray, stack } = self;
+        let TraverseSingle { bvh, ray, stack } = self;
         let axes = permuted_axes(ray.direction);
         let sheared = ShearedRays::<S::F32x8>::splat(ray, axes, bvh.magnitude);
         let mut best = Hit::MISS;
         if bvh.nodes.is_empty() {
             for (sphere, primitive) in bvh.spheres.iter().zip(bvh.first_sphere..) {
                 if let Some(t) = sphere.intersect(ray)
-                    && record::<ANY_HIT>(ray, t, primitive, &mut best)
+                    && accept_hit::<ANY_HIT>(ray, t, primitive, &mut best)
                 {
                     return best;
                 }
@@ -78,7 +78,7 @@ impl<const ANY_HIT: bool> WithSimd for Traverse<'_, ANY_HIT> {
                 }
                 Child::Sphere(index) => {
                     if let Some(t) = bvh.spheres[index as usize].intersect(ray) {
-                        if record::<ANY_HIT>(ray, t, bvh.first_sphere + index, &mut best) {
+                        if accept_hit::<ANY_HIT>(ray, t, bvh.first_sphere + index, &mut best) {
                             return best;
                         }
                         if !ANY_HIT {

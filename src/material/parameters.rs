@@ -1,0 +1,71 @@
+//! The parameters of materials, as the scene gives them.
+
+use super::bsdf::Bsdf;
+use super::features::{FeatureSet, Features};
+use crate::texture::Texture;
+use glam::{Vec2, Vec3};
+
+/// A material as the scene defines it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Diffuse reflectance, 0..1; multiplied by the texture where there is one.
+    pub diffuse: Vec3,
+    /// The index of a texture of the scene.
+    pub texture: Option<usize>,
+    /// Weight of the Phong highlight, 0 or more.
+    pub specular: Vec3,
+    /// Exponent of the Phong highlight, 0 or more.
+    pub shininess: f32,
+    /// Weight of the mirror, 0..1; that of the base layer is 1 less this.
+    pub reflective: Vec3,
+}
+
+impl Material {
+    /// A Lambert surface.
+    pub const fn lambert(diffuse: Vec3) -> Material {
+        Material {
+            diffuse,
+            texture: None,
+            specular: Vec3::ZERO,
+            shininess: 0.0,
+            reflective: Vec3::ZERO,
+        }
+    }
+
+    /// The features of materials; `mixes` says whether a triangle mixes some of them.
+    pub fn features<'a>(
+        materials: impl IntoIterator<Item = &'a Material>,
+        mixes: bool,
+    ) -> FeatureSet {
+        let [mut textures, mut highlights, mut mirrors] = [false; 3];
+        for material in materials {
+            textures |= material.texture.is_some();
+            highlights |= material.specular != Vec3::ZERO;
+            mirrors |= material.reflective != Vec3::ZERO;
+        }
+        FeatureSet::new(textures, highlights, mirrors, mixes)
+    }
+
+    /// The reflection at texture coordinates `uv`.
+    #[inline]
+    pub fn bsdf<F: Features>(&self, uv: Vec2, textures: &[Texture]) -> Bsdf {
+        let texel = match self.texture {
+            Some(id) if F::TEXTURES => textures[id].sample(uv),
+            _ => Vec3::ONE,
+        };
+        Bsdf {
+            diffuse: self.diffuse * texel,
+            specular: if F::HIGHLIGHTS {
+                self.specular
+            } else {
+                Vec3::ZERO
+            },
+            shininess: self.shininess,
+            reflective: if F::MIRRORS {
+                self.reflective
+            } else {
+                Vec3::ZERO
+            },
+        }
+    }
+}

@@ -5,8 +5,10 @@
 //! All filters are Gaussians or their derivatives, and are convolved by rows and by columns.
 
 use super::mean;
+use super::opponent_color::{from_opponent, hunt_lab, opponent, rgb_to_xyz};
+use super::plane::{Plane, gaussian, normalised, radius};
 use crate::math::color::srgb_to_linear;
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 use std::f64::consts::{PI, SQRT_2};
 
 /// A display 0.7 m wide, of 3840 columns, from 0.7 m.
@@ -152,110 +154,6 @@ impl OpponentColors {
         let both = magnitude(&edge).into_iter().zip(magnitude(&point));
         both.map(|(edge, point)| [edge, point]).collect()
     }
-}
-
-/// One number for each pixel, row by row.
-struct Plane {
-    width: usize,
-    values: Vec<f64>,
-}
-
-impl Plane {
-    /// Convolved with one filter along its rows and another along its columns, both of odd length; beyond the
-    /// border are the pixels of the border.
-    fn convolved(&self, along_rows: &[f64], along_columns: &[f64]) -> Plane {
-        let (width, height) = (self.width, self.values.len() / self.width);
-        let filtered =
-            |filter: &[f64], position: usize, size: usize, value: &dyn Fn(usize) -> f64| {
-                let taps = filter.iter().enumerate().map(|(i, weight)| {
-                    let tap = (position + i).saturating_sub(filter.len() / 2);
-                    weight * value(tap.min(size - 1))
-                });
-                taps.sum::<f64>()
-            };
-        let pixels = || (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let rows =
-            pixels().map(|(x, y)| filtered(along_rows, x, width, &|x| self.values[y * width + x]));
-        let rows: Vec<f64> = rows.collect();
-        let columns =
-            pixels().map(|(x, y)| filtered(along_columns, y, height, &|y| rows[y * width + x]));
-        Plane {
-            width,
-            values: columns.collect(),
-        }
-    }
-}
-
-/// How far a filter reaches, in pixels: three standard deviations.
-fn radius(sigma: f64) -> usize {
-    (3.0 * sigma).ceil() as usize
-}
-
-/// A Gaussian, 1 in its middle.
-fn gaussian(sigma: f64, radius: usize) -> Vec<f64> {
-    let offsets = (0..=2 * radius).map(|i| i as f64 - radius as f64);
-    offsets
-        .map(|x| libm::exp(-0.5 * (x / sigma).powi(2)))
-        .collect()
-}
-
-/// Weights in proportion, whose sum is 1.
-fn normalised(mut weights: Vec<f64>) -> Vec<f64> {
-    let sum: f64 = weights.iter().sum();
-    for weight in &mut weights {
-        *weight /= sum;
-    }
-    weights
-}
-
-/// From linear sRGB to CIE XYZ: the primaries and the white D65 of IEC 61966-2-1.
-fn rgb_to_xyz() -> DMat3 {
-    DMat3::from_cols(
-        DVec3::new(
-            10_135_552.0 / 24_577_794.0,
-            2_613_072.0 / 12_288_897.0,
-            1_425_312.0 / 73_733_382.0,
-        ),
-        DVec3::new(
-            8_788_810.0 / 24_577_794.0,
-            8_788_810.0 / 12_288_897.0,
-            8_788_810.0 / 73_733_382.0,
-        ),
-        DVec3::new(
-            4_435_075.0 / 24_577_794.0,
-            887_015.0 / 12_288_897.0,
-            70_074_185.0 / 73_733_382.0,
-        ),
-    )
-}
-
-/// YCxCz of XYZ relative to white.
-fn opponent(xyz: DVec3) -> DVec3 {
-    DVec3::new(
-        116.0 * xyz.y - 16.0,
-        500.0 * (xyz.x - xyz.y),
-        200.0 * (xyz.y - xyz.z),
-    )
-}
-
-/// XYZ relative to white of YCxCz.
-fn from_opponent(color: DVec3) -> DVec3 {
-    let y = (color.x + 16.0) / 116.0;
-    DVec3::new(y + color.y / 500.0, y, y - color.z / 200.0)
-}
-
-/// CIELAB of XYZ relative to white, with a and b in proportion to L.
-fn hunt_lab(xyz: DVec3) -> DVec3 {
-    const DELTA: f64 = 6.0 / 29.0;
-    let lab = opponent(xyz.map(|t| {
-        if t > DELTA.powi(3) {
-            libm::cbrt(t)
-        } else {
-            t / (3.0 * DELTA * DELTA) + 4.0 / 29.0
-        }
-    }));
-    let scale = 0.01 * lab.x;
-    DVec3::new(lab.x, scale * lab.y, scale * lab.z)
 }
 
 /// HyAB: city-block in lightness, Euclidean in a and b; raised to the exponent of colour differences.

@@ -11,7 +11,9 @@ mod flip;
 mod heat;
 mod image_error;
 mod local_mean;
+mod opponent_color;
 mod pixel;
+mod plane;
 mod reference;
 mod statistics;
 #[cfg(test)]

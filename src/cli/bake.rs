@@ -92,7 +92,7 @@ fn summary(baked: &Baked) -> String {
     let mut summary =
         format!("  {primary} primary, {secondary} secondary records, {megabytes:.1} MB in memory");
     let errors: Vec<_> = (0..).zip(baked.errors.iter().copied()).collect();
-    if let Some(errors) = error_summary(&errors) {
+    if let Some(errors) = error_summary(&errors, "around") {
         summary += &format!("\n  cache error (relMSE) {errors}");
     }
     summary

@@ -48,14 +48,15 @@ pub(super) fn say(line: fmt::Arguments) {
     let _ = writeln!(io::stdout(), "{line}");
 }
 
-/// The mean and the worst of the errors of frames; none where there are none.
-pub(super) fn error_summary(errors: &[(u32, ErrorEstimate)]) -> Option<String> {
+/// The mean and the worst of the errors of frames; none where there are none. `place` is the relation of an error to its
+/// frame, as in "in".
+pub(super) fn error_summary(errors: &[(u32, ErrorEstimate)], place: &str) -> Option<String> {
     let error = |(_, error): &(u32, ErrorEstimate)| error.rel_mse;
     let worst = errors.iter().max_by(|a, b| error(a).total_cmp(&error(b)))?;
     let mean = errors.iter().map(error).sum::<f64>() / errors.len() as f64;
     let [low, high] = worst.1.interval();
     Some(format!(
-        "{mean:.2e} on average, at worst {:.2e} ({low:.2e} to {high:.2e}) in frame {}",
+        "{mean:.2e} on average, at worst {:.2e} ({low:.2e} to {high:.2e}) {place} frame {}",
         error(worst),
         worst.0,
     ))

@@ -248,7 +248,7 @@ fn summarise(outcome: &Outcome, elapsed: Duration, there: u32, folder: &FrameFol
         if outcome.stopped { ", interrupted" } else { "" },
         folder.path().display()
     ));
-    if let Some(errors) = error_summary(&outcome.errors) {
+    if let Some(errors) = error_summary(&outcome.errors, "in") {
         say(format_args!("error (relMSE) {errors}"));
     }
 }

@@ -99,8 +99,16 @@ mod tests {
     }
 
     #[test]
-    fn coordinates_that_are_not_finite_have_a_color() {
-        let color = quarters().sample(Vec2::new(f32::NAN, f32::INFINITY));
-        assert!(color.is_finite());
+    fn repeats_with_negative_and_far_coordinates_and_across_the_seam() {
+        let t = quarters();
+        for tile in [-3.0, -1.0, 1.0, 1024.0] {
+            let moved = Vec2::new(0.25 + tile, 0.75 - tile);
+            assert_eq!(t.sample(moved), Vec3::X, "{tile}");
+        }
+        // Halfway over the seam: left and right columns in equal parts.
+        let seam = t.sample(Vec2::new(0.0, 0.75));
+        assert!((seam - Vec3::new(0.5, 0.5, 0.0)).length() < 1e-6);
+        assert_eq!(seam, t.sample(Vec2::new(1.0, 0.75)));
+        assert!(t.sample(Vec2::new(f32::NAN, f32::INFINITY)).is_finite());
     }
 }

@@ -99,4 +99,21 @@ mod tests {
         assert!((normal - expected).length() < 1e-6);
         assert_eq!(mesh.uv(vertices, weights), Vec2::new(0.5, 1.0));
     }
+
+    #[test]
+    fn tiny_triangles_have_a_normal_and_flat_ones_have_none() {
+        let mesh = Mesh {
+            positions: vec![
+                Vec3::ZERO,
+                Vec3::X,
+                Vec3::X * 2.0,
+                Vec3::X * 1e-30,
+                Vec3::Y * 1e-30,
+            ],
+            ..Mesh::default()
+        };
+        assert_eq!(mesh.geometric_normal([0, 1, 2]), None);
+        assert_eq!(mesh.geometric_normal([0, 0, 1]), None);
+        assert_eq!(mesh.geometric_normal([0, 3, 4]), Some(Vec3::Z));
+    }
 }

@@ -92,6 +92,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn small_sphere_far_away_is_hit_exactly() {
+        // Radius 1e-6 at distance 10, ray offset by 0.6 r: t = 10 - 0.8 r.
+        let s = Sphere::new(DVec3::new(0.6e-6, 0.0, -10.0), 1e-6);
+        let t = s.intersect(&Ray::new(Vec3::ZERO, Vec3::NEG_Z));
+        assert!((t.unwrap_or(0.0) - (10.0 - 0.8e-6)).abs() < 1e-12);
+    }
+
+    #[test]
     fn uv_follows_the_documented_directions() {
         let s = Sphere::new(DVec3::ZERO, 1.0);
         let close = |n: DVec3, u: f32, v: f32| (s.uv(n) - Vec2::new(u, v)).length() < 1e-6;

@@ -22,4 +22,24 @@ mod tests {
             [0, 4, 2, 1, 5, 3]
         );
     }
+
+    /// The first 2^n of them are nowhere further apart than one part of the whole in 2^n.
+    #[test]
+    fn prefixes_are_spread() {
+        assert!(van_der_corput_order(8).eq([0, 4, 2, 6, 1, 5, 3, 7]));
+        for count in [1, 2, 3, 49, 240, 1000] {
+            let mut all: Vec<u32> = van_der_corput_order(count).collect();
+            for parts in [1_u32, 2, 4, 8] {
+                let part = count.next_power_of_two() / parts.min(count);
+                let mut first = all[..parts.min(count) as usize].to_vec();
+                first.push(count);
+                first.sort_unstable();
+                assert_eq!(first[0], 0);
+                let gaps = first.windows(2).map(|pair| pair[1] - pair[0]);
+                assert!(gaps.max() <= Some(part.max(1)), "{count}: {first:?}");
+            }
+            all.sort_unstable();
+            assert_eq!(all, (0..count).collect::<Vec<_>>());
+        }
+    }
 }

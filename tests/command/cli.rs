@@ -173,6 +173,30 @@ fn the_path_wins_over_the_scene_and_a_flag_over_both() {
     assert_eq!(size(), (30, 10));
 }
 
+#[test]
+fn formats_hold_the_same_pixels() {
+    let out = tempfile::tempdir().unwrap();
+    let render = |format: &str, name: &str| {
+        let folder = out.path().join(format);
+        let more = ["--format", format, "--frames", "0", "--exposure", "0"];
+        assert_eq!(render_small("test", "test", &folder, &more).0, Some(0));
+        image::open(folder.join(name)).unwrap()
+    };
+    let eight = render("png", "frame_00000.png").into_rgb8();
+    let sixteen = render("png16", "frame_00000.png").into_rgb16();
+    let linear = render("exr", "frame_00000.exr").into_rgb32f();
+    for ((a, b), c) in eight
+        .as_raw()
+        .iter()
+        .zip(sixteen.as_raw())
+        .zip(linear.as_raw())
+    {
+        assert!((f64::from(*b) / 257.0 - f64::from(*a)).abs() <= 0.51);
+        let encoded = flythrough::math::color::linear_to_srgb(*c);
+        assert_eq!((encoded * 255.0).round() as u8, *a);
+    }
+}
+
 /// Every frame records its error. `errors.csv` and `errors.svg` have those of all frames in the folder, whichever run
 /// they are from. Frames of modes without Monte Carlo noise have none.
 #[test]

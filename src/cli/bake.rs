@@ -46,7 +46,7 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<Status, Failure> {
     let options = JobOptions {
         threads: arguments.threads.threads,
         rebake: arguments.force,
-        accepted_builds: Vec::new(),
+        ..JobOptions::default()
     };
     let mut job = Job::for_bake(spec, &options)?;
     warn(&job.inputs().scene.warnings);

@@ -8,22 +8,14 @@ pub trait RenderObserver: Sync {
     fn is_stopped(&self) -> bool {
         false
     }
-    /// A tile is finished; `rays` rays were traced.
-    fn tile_done(&self, rays: u64) {
-        let _ = rays;
-    }
+    /// A tile is finished: the number of rays that were traced for it.
+    fn tile_done(&self, _rays: u64) {}
     /// A frame is rendered and stored.
-    fn frame_stored(&self, frame: u32) {
-        let _ = frame;
-    }
+    fn frame_stored(&self, _frame: u32) {}
     /// A frame is not rendered: another process has rendered it, or it could not be claimed.
-    fn frame_skipped(&self, frame: u32) {
-        let _ = frame;
-    }
+    fn frame_skipped(&self, _frame: u32) {}
     /// A frame could not be claimed, rendered or stored.
-    fn frame_failed(&self, frame: u32, error: &SinkError) {
-        let _ = (frame, error);
-    }
+    fn frame_failed(&self, _frame: u32, _error: &SinkError) {}
 }
 
 /// Ignores everything and never stops.

@@ -8,7 +8,7 @@ use super::technique::Technique;
 use crate::film::Film;
 use crate::input::Settings;
 use crate::metrics::{Estimate, ImageError, Reference, mean};
-use crate::render::{RenderedFrame, Renderer};
+use crate::render::{ErrorEstimate, Renderer};
 use serde::Serialize;
 
 /// Cost and error of a technique: means over frames and seeds.
@@ -52,6 +52,14 @@ pub struct Measurement {
     pub flip: f64,
 }
 
+/// The cost and the error of one rendering.
+struct Run {
+    seconds: Seconds,
+    rays: u64,
+    estimated: Option<ErrorEstimate>,
+    error: ImageError,
+}
+
 /// Measures a technique on frames against their references; gives its first picture, too.
 pub(super) fn measure(
     inputs: &Inputs,
@@ -63,7 +71,7 @@ pub(super) fn measure(
     progress.begin(technique.curve);
     let size = inputs.size;
     let mut picture = None;
-    let mut all = Vec::new();
+    let mut runs = Vec::new();
     let mut by_seed = Vec::new();
     let mut bias_by_seed = Vec::new();
     for seed in 0..inputs.seeds {
@@ -75,20 +83,23 @@ pub(super) fn measure(
             let error = ImageError::of(&rendering.film, reference, inputs.exposure());
             errors.push(error.rel_mse);
             biases.push(error.mean_bias);
-            picture.get_or_insert_with(|| rendering.film.clone());
-            all.push((rendering, seconds, error));
+            runs.push(Run {
+                seconds,
+                rays: rendering.rays,
+                estimated: rendering.error,
+                error,
+            });
+            picture.get_or_insert(rendering.film);
             progress.step(technique.paths() * pixels(size));
         }
         by_seed.push(mean(&errors));
         bias_by_seed.push(mean(&biases));
     }
     let picture = picture.expect("a frame and a seed");
-    let over = |of: &dyn Fn(&(RenderedFrame, Seconds, ImageError)) -> f64| {
-        mean(&all.iter().map(of).collect::<Vec<f64>>())
-    };
-    let seconds = over(&|(_, seconds, _)| seconds.wall);
-    let rays = over(&|(rendering, ..)| rendering.rays as f64);
-    let own = all.iter().map(|(rendering, ..)| rendering.error);
+    let over = |of: &dyn Fn(&Run) -> f64| mean(&runs.iter().map(of).collect::<Vec<f64>>());
+    let seconds = over(&|run| run.seconds.wall);
+    let rays = over(&|run| run.rays as f64);
+    let own = runs.iter().map(|run| run.estimated);
     let own: Option<Vec<f64>> = own.map(|e| Some(e?.rel_mse)).collect();
     let mut mean_bias = Estimate::of(&bias_by_seed);
     let variances = references.iter().map(|(_, r)| r.error_of_mean().powi(2));
@@ -104,22 +115,22 @@ pub(super) fn measure(
         falls_with_samples: technique.falls_with_samples(),
         size,
         seconds,
-        cpu_seconds: over(&|(_, seconds, _)| seconds.cpu),
+        cpu_seconds: over(&|run| run.seconds.cpu),
         bake_seconds,
         full_size_seconds: seconds * pixels(inputs.full_size()) / pixels(size) + bake_seconds,
         rays,
         rays_per_second: rays / seconds,
-        rmse: over(&|(.., error)| error.mse).max(0.0).sqrt(),
+        rmse: over(&|run| run.error.mse).max(0.0).sqrt(),
         rel_mse: mean(&by_seed),
         spread: [
             by_seed.iter().copied().fold(f64::INFINITY, f64::min),
             by_seed.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         ],
         own_estimate: own.map(|own| mean(&own)),
-        p95_relative_error: over(&|(.., error)| error.p95_relative_error),
+        p95_relative_error: over(&|run| run.error.p95_relative_error),
         mean_bias: mean_bias.mean,
         mean_bias_interval: mean_bias.interval(inputs.seeds - 1),
-        flip: over(&|(.., error)| error.flip),
+        flip: over(&|run| run.error.flip),
     };
     (measurement, picture)
 }

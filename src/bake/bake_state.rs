@@ -13,6 +13,7 @@ use crate::render::ErrorEstimate;
 use crate::sampling::van_der_corput_order;
 use crate::scene::Scene;
 use glam::Vec3;
+use postcard::ser_flavors::Size;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -208,24 +209,45 @@ impl BakeState {
         }
     }
 
-    /// Adds the records of a path whose frames have `size` columns and rows.
-    pub fn add_camera_path(
+    /// Bytes of the state in a file when the light is gathered and the errors of `frames` frames are measured.
+    fn stored_bytes(&self, frames: u32) -> u64 {
+        let now = postcard::serialize_with_flavor(self, Size::default());
+        let records = |placed: &PlacedRecords| placed.placement.points.len();
+        let placed = self.primary.iter().chain([&self.secondary]);
+        let values = placed.map(|placed| {
+            let gathered = placed.values.iter().map(Vec::len);
+            gathered
+                .map(|gathered| records(placed) - gathered)
+                .sum::<usize>()
+        });
+        let values = values.sum::<usize>() * size_of::<Vec3>();
+        let errors = frames as usize * size_of::<ErrorEstimate>();
+        // Lengths and names.
+        const REST: usize = 4096;
+        (now.expect("plain data") + values + errors + REST) as u64
+    }
+
+    /// Adds the records of a path whose frames have `size` columns and rows. `reserve` is as that of [`super::bake`].
+    pub fn add_camera_path<E>(
         &mut self,
         scene: &Scene,
         path: &CameraPath,
         name: &str,
         size: (u32, u32),
         listener: Listener,
-    ) {
+        reserve: &mut impl FnMut(u64) -> Result<(), E>,
+    ) -> Result<(), E> {
         let hits = self.place_primary(scene, path, size, listener);
         listener(0.3, "secondary records");
         self.place_secondary(scene, hits);
+        reserve(self.stored_bytes(path.timeline().frame_count()))?;
         listener(0.35, "secondary irradiance");
         let final_gather = FinalGather::new(scene);
         let secondary = self.gather_secondary(&final_gather);
         self.gather_primary(&final_gather, &secondary, listener);
         self.camera_paths.push(name.to_owned());
         self.errors.clear();
+        Ok(())
     }
 
     /// Covers what all frames see. Returns candidates for secondary records.

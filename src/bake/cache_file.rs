@@ -2,8 +2,7 @@
 //! the input hash, and the [`BakeState`] in postcard encoding.
 
 use super::bake_state::BakeState;
-use crate::storage::{check_writable, write_atomic};
-use std::fs;
+use crate::storage::{FileError, PartFile, read_input};
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -13,6 +12,9 @@ const MAGIC: &[u8] = b"flythrough irradiance cache 3\n";
 
 /// Bytes of a hash.
 const HASH: usize = blake3::OUT_LEN;
+
+/// The most bytes of a file: the most records that are placed take less.
+const MAX_BYTES: u64 = 1 << 34;
 
 /// An irradiance cache on disk.
 #[derive(Debug)]
@@ -25,26 +27,13 @@ pub struct CacheFile {
 /// Why an irradiance cache cannot be read or written.
 #[derive(Debug, Error)]
 pub enum CacheFileError {
-    /// The file exists, but cannot be read.
-    #[error("{file}: cannot be read: {source}", file = .file.display())]
-    Unreadable {
-        /// The file.
-        file: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
-    /// The file cannot be written.
-    #[error("{file}: cannot be written: {source}", file = .file.display())]
-    Unwritable {
-        /// The file.
-        file: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
-    /// The file does not begin with the magic text. It is never written over.
+    /// The file cannot be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// The file does not begin with the magic text.
     #[error(
-        "{file}: is not an irradiance cache of this format; use another file name, or remove the file \
-         if it is an old cache",
+        "{file}: is there already, and is not an irradiance cache of this format; use another file name, or \
+         --replace to write over it",
         file = .file.display()
     )]
     NotACache {
@@ -53,7 +42,7 @@ pub enum CacheFileError {
     },
     /// The content does not match its hash.
     #[error(
-        "{file}: the irradiance cache is damaged: cut short or changed; --force bakes it anew",
+        "{file}: the irradiance cache is damaged: cut short or changed; --replace bakes it anew",
         file = .file.display()
     )]
     Damaged {
@@ -63,7 +52,7 @@ pub enum CacheFileError {
     /// The input hash differs.
     #[error(
         "{file}: is the irradiance cache of another scene, other settings or another build; use another \
-         file, or --force to bake it anew",
+         file, or --replace to bake it anew",
         file = .file.display()
     )]
     OtherInputs {
@@ -82,27 +71,24 @@ impl CacheFile {
         }
     }
 
-    /// Checks that the file can be written, before the cache is baked.
-    pub fn check_writable(&self) -> Result<(), CacheFileError> {
-        check_writable(&self.file).map_err(|source| self.unwritable(source))
+    /// Begins the file that [`CacheFile::finish`] ends, before the cache is baked: so it is known early that it can be
+    /// written.
+    pub fn begin(&self) -> Result<PartFile, CacheFileError> {
+        Ok(PartFile::of_file(&self.file)?)
     }
 
-    /// Reads the file; none if it does not exist or, with `force`, if it is damaged or has another input hash.
-    pub fn read(&self, force: bool) -> Result<Option<BakeState>, CacheFileError> {
+    /// Reads the file; none if it does not exist or, with `replace`, if it is anything else than this cache.
+    pub fn read(&self, replace: bool) -> Result<Option<BakeState>, CacheFileError> {
+        let bytes = match read_input(&self.file, MAX_BYTES) {
+            Err(error) if error.is_missing() => return Ok(None),
+            read => read?,
+        };
         let file = || self.file.clone();
-        let bytes = match fs::read(&self.file) {
-            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-            read => read.map_err(|source| CacheFileError::Unreadable {
-                file: file(),
-                source,
-            })?,
-        };
-        let Some(content) = bytes.strip_prefix(MAGIC) else {
-            return Err(CacheFileError::NotACache { file: file() });
-        };
-        let read = self.decode(content);
-        match read {
-            Err(_) if force => Ok(None),
+        let content = bytes
+            .strip_prefix(MAGIC)
+            .ok_or_else(|| CacheFileError::NotACache { file: file() });
+        match content.and_then(|content| self.decode(content)) {
+            Err(_) if replace => Ok(None),
             read => read.map(Some),
         }
     }
@@ -125,20 +111,17 @@ impl CacheFile {
     }
 
     /// Writes the file atomically: a reader sees the old one or the new one.
-    pub fn write(&self, state: &BakeState) -> Result<(), CacheFileError> {
+    pub fn finish(&self, begun: PartFile, state: &BakeState) -> Result<(), CacheFileError> {
         let content = postcard::to_extend(state, self.input_hash.as_bytes().to_vec());
-        let written = content.map_err(io::Error::other).and_then(|content| {
-            let hash = blake3::hash(&content);
-            let bytes = [MAGIC, hash.as_bytes(), &content].concat();
-            write_atomic(&self.file, &bytes)
-        });
-        written.map_err(|source| self.unwritable(source))
+        let content =
+            content.map_err(|error| FileError::writing(&self.file, io::Error::other(error)))?;
+        let hash = blake3::hash(&content);
+        let bytes = [MAGIC, hash.as_bytes(), &content].concat();
+        Ok(begun.finish(&bytes)?)
     }
 
-    fn unwritable(&self, source: io::Error) -> CacheFileError {
-        CacheFileError::Unwritable {
-            file: self.file.clone(),
-            source,
-        }
+    /// Bytes of the file of a state that takes `bytes`.
+    pub fn bytes(bytes: u64) -> u64 {
+        (MAGIC.len() + 2 * HASH) as u64 + bytes
     }
 }

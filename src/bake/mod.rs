@@ -44,16 +44,20 @@ pub struct Baked {
 /// Bakes the irradiance cache for all frames of a path, called `name`, of these settings, on the threads of the
 /// current pool. A given state, of the same scene and settings, is extended by what this path lacks.
 ///
+/// `reserve` hears of the bytes that the state will take in a file as soon as they are known, before any light is
+/// gathered; its error ends the bake.
+///
 /// Of a target error the cache may take up half, or all where camera samples have no error. If it takes up more,
 /// the cache is refined, unless a state is given: that holds the records of other paths, too.
-pub fn bake(
+pub fn bake<E>(
     scene: &Scene,
     path: &CameraPath,
     name: &str,
     settings: &RenderSettings,
     given: Option<BakeState>,
     listener: Listener,
-) -> Baked {
+    mut reserve: impl FnMut(u64) -> Result<(), E>,
+) -> Result<Baked, E> {
     let is_given = given.is_some();
     let bounces = settings.integrator.bounces();
     let new = |refinement_level| BakeState::new(scene, bounces, settings.seed, refinement_level);
@@ -61,7 +65,7 @@ pub fn bake(
     loop {
         if !state.has_camera_path(name) {
             let size = (settings.width, settings.height);
-            state.add_camera_path(scene, path, name, size, listener);
+            state.add_camera_path(scene, path, name, size, listener, &mut reserve)?;
         }
         listener(0.97, "cache error");
         let cache = state.irradiance_cache();
@@ -83,12 +87,12 @@ pub fn bake(
             errors.iter().all(is_low)
         });
         if reaches_target || is_given || state.refinement_level() == BakeState::MAX_REFINEMENT {
-            return Baked {
+            return Ok(Baked {
                 state,
                 cache,
                 errors,
                 reaches_target,
-            };
+            });
         }
         state = new(state.refinement_level() + 1);
     }

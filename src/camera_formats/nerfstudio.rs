@@ -94,7 +94,11 @@ pub(super) fn parse(
     };
     let frames = parsed.camera_path.iter().enumerate();
     let cameras = frames.map(|(i, frame)| camera(check, i, frame));
-    let side = |key, pixels| Ok(check.range(key, pixels, 1.0, f64::from(u32::MAX))? as u32);
+    let side = |key, pixels| {
+        check
+            .range(key, pixels, 1.0, f64::from(u32::MAX))
+            .map(|side| side as u32)
+    };
     let size = match (parsed.render_width, parsed.render_height) {
         (Some(width), Some(height)) => {
             Some((side("render_width", width)?, side("render_height", height)?))

@@ -8,10 +8,9 @@ use super::progress::SequenceProgress;
 use super::values::{ProgressArgument, SampleSize};
 use super::verify::verify;
 use crate::frames::{FrameFolder, SequenceRecord};
-use crate::job::open_folder;
+use crate::job::{KeepCache, open_folder};
 use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
 use clap::Args;
-use std::fs;
 use std::path::{PathBuf, absolute};
 
 /// Render some frames of a folder again, and compare them byte for byte
@@ -64,7 +63,7 @@ pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<St
     if sample.is_empty() {
         return Err(format!("{}: no frame is verified", out.display()).into());
     }
-    bake(&mut job, arguments.quiet)?;
+    bake(&mut job, KeepCache::IfPossible, arguments.quiet)?;
 
     let shown = arguments.progress.shown(arguments.quiet);
     let progress = SequenceProgress::new(sample.len(), job.settings(), shown, interrupt);
@@ -119,14 +118,13 @@ impl FrameSink for Comparison<'_> {
     }
 
     fn store(&self, frame: u32, (): (), encoded: &EncodedFrame) -> Result<(), SinkError> {
+        let EncodedFrame { image, error_map } = self.0.files(frame)?;
         let files = [
-            (self.0.file_of(frame), Some(&encoded.image)),
-            (self.0.map_of(frame), encoded.error_map.as_ref()),
+            (self.0.file_of(frame), image == encoded.image),
+            (self.0.map_of(frame), error_map == encoded.error_map),
         ];
-        for (file, bytes) in files {
-            if let Some(bytes) = bytes
-                && fs::read(&file)? != *bytes
-            {
+        for (file, is_same) in files {
+            if !is_same {
                 let file = file.display();
                 let what = "is not what this machine renders: check both by flythrough selftest";
                 return Err(format!("{file} {what}").into());

@@ -4,7 +4,7 @@ use super::job_args::{InputArguments, SettingsArguments, ThreadsArgument};
 use super::outcome::{Failure, Status, error_summary, say, warn};
 use super::progress::{FractionProgress, clock};
 use crate::bake::Baked;
-use crate::job::{BakeOutcome, Job, JobOptions, Spec};
+use crate::job::{BakeOutcome, Job, JobOptions, KeepCache, Spec};
 use crate::render::RenderSettings;
 use clap::Args;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use std::time::Instant;
 ///
 /// Of the settings, size, bounces, seed and target error decide the cache; renderings that share it set the same.
 ///
-/// Exit status: 0 success, 2 wrong input or usage.
+/// Exit status: 0 success; 2 wrong input or usage; 3 the file cannot be written for now, as on a full disk.
 #[derive(Debug, Args)]
 pub(super) struct BakeArguments {
     #[command(flatten)]
@@ -29,9 +29,9 @@ pub(super) struct BakeArguments {
     settings: SettingsArguments,
     #[command(flatten)]
     threads: ThreadsArgument,
-    /// Bake anew if the file is damaged or a cache of something else
-    #[arg(long)]
-    force: bool,
+    /// Write over the file if it is damaged or anything else than a cache for this scene and these settings
+    #[arg(long, alias = "force")]
+    replace: bool,
     /// No progress bar and no summary
     #[arg(short, long)]
     quiet: bool,
@@ -45,25 +45,26 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<Status, Failure> {
     };
     let options = JobOptions {
         threads: arguments.threads.threads,
-        rebake: arguments.force,
+        rebake: arguments.replace,
         ..JobOptions::default()
     };
     let mut job = Job::for_bake(spec, &options)?;
     warn(&job.inputs().scene.warnings);
-    bake(&mut job, arguments.quiet)?;
+    bake(&mut job, KeepCache::Always, arguments.quiet)?;
     Ok(Status::Done)
 }
 
 /// Bakes the irradiance cache of a job if its frames need one, and says what it took.
-pub(super) fn bake(job: &mut Job, quiet: bool) -> Result<(), Failure> {
+pub(super) fn bake(job: &mut Job, keep: KeepCache, quiet: bool) -> Result<(), Failure> {
     let start = Instant::now();
     let progress = FractionProgress::new(quiet);
     let settings = job.settings().clone();
-    let outcome = job.bake(&|done, what| progress.at(done, what));
+    let outcome = job.bake(&|done, what| progress.at(done, what), keep);
     progress.finish();
     let Some(BakeOutcome {
         baked,
         was_complete,
+        not_kept,
     }) = outcome?
     else {
         return Ok(());
@@ -79,8 +80,11 @@ pub(super) fn bake(job: &mut Job, quiet: bool) -> Result<(), Failure> {
         ));
         say(format_args!("{}", summary(baked)));
     }
-    if let Some(warning) = shortfall(baked, &settings) {
-        warn(&[warning]);
+    warn(&shortfall(baked, &settings).into_iter().collect::<Vec<_>>());
+    if let Some(error) = not_kept {
+        warn(&[format!(
+            "the irradiance cache is used, but not kept: {error}"
+        )]);
     }
     Ok(())
 }

@@ -1,44 +1,99 @@
-//! SIGTERM and Ctrl-C.
+//! Signals that ask for an end: SIGTERM, SIGINT (Ctrl-C), SIGHUP and SIGUSR1, by which Slurm warns of a time limit.
 
-use super::outcome::Status;
-use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
+use super::outcome::{Status, say_error};
+use crate::storage::remove_unfinished;
+use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::iterator::Signals;
+use std::fs;
 use std::io;
+use std::process::exit;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
 
-/// What SIGTERM and Ctrl-C do.
+/// How long the rendering of frames may take to stop: a tile may take minutes.
+const UNTIL_STOPPED: Duration = Duration::from_millis(700);
+
+/// How long the end of a command may take after that: its frames are listed.
+const UNTIL_LISTED: Duration = Duration::from_secs(10);
+
+/// What signals do.
 ///
-/// While there is nothing to lose they end the program at once. While frames are rendered the first only asks for
-/// an end, and the second ends the program at once.
+/// While there is nothing to list they end the program at once. While frames are rendered the first only asks for an
+/// end, for which it waits, but not for long. No unfinished file is left.
 #[derive(Clone)]
 pub(super) struct Interrupt {
-    /// Whether the next signal ends the program.
-    at_once: Arc<AtomicBool>,
+    stage: Arc<AtomicU8>,
 }
+
+/// Nothing is to be listed.
+const AT_ONCE: u8 = 0;
+/// Frames are rendered: they are given up if an end is asked for.
+const RENDERING: u8 = 1;
+/// An end is asked for.
+const ASKED: u8 = 2;
+/// No frame is rendered any more.
+const STOPPED: u8 = 3;
 
 impl Interrupt {
     pub(super) fn install() -> io::Result<Interrupt> {
-        let at_once = Arc::new(AtomicBool::new(true));
-        for signal in [SIGINT, SIGTERM] {
-            // They act in this order: the one that asks does not end at once.
-            flag::register_conditional_shutdown(
-                signal,
-                Status::Interrupted as i32,
-                at_once.clone(),
-            )?;
-            flag::register(signal, at_once.clone())?;
-        }
-        Ok(Interrupt { at_once })
+        // Under nohup it is ignored.
+        let hangup = (!is_ignored(SIGHUP)).then_some(SIGHUP);
+        let mut signals = Signals::new([SIGINT, SIGTERM, SIGUSR1].into_iter().chain(hangup))?;
+        let stage = Arc::new(AtomicU8::new(AT_ONCE));
+        let interrupt = Interrupt {
+            stage: stage.clone(),
+        };
+        thread::Builder::new()
+            .name("signals".to_owned())
+            .spawn(move || {
+                signals.wait().next();
+                let asked =
+                    stage.compare_exchange(RENDERING, ASKED, Ordering::SeqCst, Ordering::SeqCst);
+                if asked.is_ok() || stage.load(Ordering::SeqCst) == STOPPED {
+                    wait_for_the_end(&stage, &mut signals);
+                }
+                remove_unfinished();
+                say_error(format_args!("interrupted: the same command continues"));
+                exit(Status::Interrupted as i32);
+            })?;
+        Ok(interrupt)
     }
 
-    /// From now on the first signal only asks for an end.
+    /// From now on a signal only asks for an end, at first.
     pub(super) fn wait_to_be_asked(&self) {
-        self.at_once.store(false, Ordering::SeqCst);
+        self.stage.store(RENDERING, Ordering::SeqCst);
     }
 
     /// Whether an end was asked for since.
     pub(super) fn is_asked(&self) -> bool {
-        self.at_once.load(Ordering::SeqCst)
+        self.stage.load(Ordering::SeqCst) == ASKED
     }
+
+    /// No frame is rendered any more.
+    pub(super) fn rendering_is_over(&self) {
+        self.stage.store(STOPPED, Ordering::SeqCst);
+    }
+}
+
+/// Returns if the program takes too long to end, or at the next signal.
+fn wait_for_the_end(stage: &AtomicU8, signals: &mut Signals) {
+    let mut start = Instant::now();
+    let mut until = UNTIL_STOPPED;
+    let mut is_stopped = false;
+    while start.elapsed() < until && signals.pending().next().is_none() {
+        if !is_stopped && stage.load(Ordering::SeqCst) == STOPPED {
+            (is_stopped, start, until) = (true, Instant::now(), UNTIL_LISTED);
+        }
+        thread::sleep(Duration::from_millis(10));
+    }
+}
+
+/// Whether whoever started the program lets it ignore a signal; false where the system does not say.
+fn is_ignored(signal: i32) -> bool {
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }

@@ -29,7 +29,7 @@ mod verify;
 use args::{Arguments, Command};
 use clap::Parser;
 use interrupt::Interrupt;
-use outcome::{Status, is_unread};
+use outcome::{Status, is_unread, say_error};
 use std::process::ExitCode;
 
 /// Runs the program on the process's arguments.
@@ -37,7 +37,7 @@ pub fn run() -> ExitCode {
     let interrupt = match Interrupt::install() {
         Ok(interrupt) => interrupt,
         Err(error) => {
-            eprintln!("flythrough: signals cannot be caught: {error}");
+            say_error(format_args!("signals cannot be caught: {error}"));
             return ExitCode::from(Status::SomeFailed as u8);
         }
     };
@@ -59,8 +59,8 @@ pub fn run() -> ExitCode {
         if is_unread(&error) {
             return Status::Done;
         }
-        eprintln!("flythrough: {error}");
-        Status::BadInput
+        say_error(format_args!("{error}"));
+        Status::of(&*error)
     });
     ExitCode::from(status as u8)
 }

@@ -1,8 +1,11 @@
 //! How a command ends, and what it says: exit status, errors, results and warnings.
 
 use crate::render::ErrorEstimate;
+use std::error::Error;
 use std::fmt;
-use std::io::{self, Write};
+use std::fs;
+use std::io::{self, ErrorKind, Write};
+use std::iter::successors;
 use std::path::Path;
 
 /// The exit status of the program.
@@ -14,14 +17,14 @@ pub(super) enum Status {
     SelfTestFailed = 1,
     /// Wrong input or usage: trying again cannot help.
     BadInput = 2,
-    /// Some frames failed or are not verified: rendering again may help.
+    /// Some frames failed or are not verified, or the system lacked something: trying again may help.
     SomeFailed = 3,
     /// Interrupted: the same command continues. It is EX_TEMPFAIL of sysexits.h.
     Interrupted = 75,
 }
 
 /// Any error that ends a command before its work.
-pub(super) type Failure = Box<dyn std::error::Error>;
+pub(super) type Failure = Box<dyn Error>;
 
 /// Whether the reader of the output has closed it, as `head` does.
 pub(super) fn is_unread(error: &Failure) -> bool {
@@ -29,18 +32,48 @@ pub(super) fn is_unread(error: &Failure) -> bool {
     error.is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
 }
 
-/// Refuses to write over a file, unless that is forced.
-pub(super) fn keep(file: &Path, force: bool) -> Result<(), Failure> {
-    if file.exists() && !force {
-        let file = file.display();
-        return Err(format!("{file}: is there already; use another name, or --force").into());
+impl Status {
+    /// What an error leads to: trying again may help where the system lacked something for the moment, as room on a
+    /// disk or a thread.
+    pub(super) fn of(error: &(dyn Error + 'static)) -> Status {
+        let mut causes = successors(Some(error), |&error| error.source());
+        let system = causes.find_map(|cause| cause.downcast_ref::<io::Error>());
+        match system {
+            Some(error) if error.raw_os_error().is_some() && !is_lasting(error.kind()) => {
+                Status::SomeFailed
+            }
+            _ => Status::BadInput,
+        }
     }
-    Ok(())
 }
 
-/// Names the file of a write that failed.
-pub(super) fn written(file: &Path, result: io::Result<()>) -> Result<(), Failure> {
-    result.map_err(|error| format!("{}: cannot be written: {error}", file.display()).into())
+/// Whether what the system says is about what was asked for, and stays so.
+fn is_lasting(kind: ErrorKind) -> bool {
+    matches!(
+        kind,
+        ErrorKind::NotFound
+            | ErrorKind::PermissionDenied
+            | ErrorKind::AlreadyExists
+            | ErrorKind::NotADirectory
+            | ErrorKind::IsADirectory
+            | ErrorKind::ReadOnlyFilesystem
+            | ErrorKind::FileTooLarge
+            | ErrorKind::InvalidInput
+            | ErrorKind::InvalidFilename
+            | ErrorKind::Unsupported
+    )
+}
+
+/// Refuses to write over a file, unless that is allowed.
+pub(super) fn keep(file: &Path, replace: bool) -> Result<(), Failure> {
+    if fs::symlink_metadata(file).is_ok() && !replace {
+        let file = file.display();
+        return Err(format!(
+            "{file}: is there already: use another name, or --replace to write over it"
+        )
+        .into());
+    }
+    Ok(())
 }
 
 /// Prints a line of a result. A reader that has gone is no error: the exit status says what matters.
@@ -60,6 +93,20 @@ pub(super) fn error_summary(errors: &[(u32, ErrorEstimate)], place: &str) -> Opt
         error(worst),
         worst.0,
     ))
+}
+
+/// Prints why a command ends.
+pub(super) fn say_error(line: fmt::Arguments) {
+    // Nobody may be left to read it.
+    let _ = writeln!(io::stderr(), "flythrough: {line}");
+}
+
+/// Says that another process is waited for, which holds the lock of a file.
+pub(super) fn say_waiting(lock: &Path) {
+    warn(&[format!(
+        "waits for another process, which holds {}",
+        lock.display()
+    )]);
 }
 
 pub(super) fn warn(warnings: &[String]) {

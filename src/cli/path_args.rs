@@ -32,6 +32,9 @@ pub(super) struct PlotArguments {
     /// File to write (SVG)
     #[arg(short, long, value_name = "FILE")]
     pub(super) out: PathBuf,
+    /// Write over a file that is there already
+    #[arg(long)]
+    pub(super) replace: bool,
     /// Size of the frames, for the aspect of the view frustums [default: the path's or the scene's]
     #[arg(short, long, value_name = "WxH", value_parser = parse_size)]
     pub(super) size: Option<(u32, u32)>,
@@ -59,9 +62,9 @@ pub(super) struct ImportArguments {
     /// Name of the camera, for glTF files [default: the only one, or the only animated one]
     #[arg(long, value_name = "NAME")]
     pub(super) camera: Option<String>,
-    /// Overwrite an existing file
-    #[arg(long)]
-    pub(super) force: bool,
+    /// Write over a file that is there already
+    #[arg(long, alias = "force")]
+    pub(super) replace: bool,
 }
 
 /// Export the cameras of all frames for another program
@@ -78,9 +81,9 @@ pub(super) struct ExportArguments {
     /// File to write: .json, .gltf, .glb or .jsonl
     #[arg(short, long, value_name = "FILE")]
     pub(super) out: PathBuf,
-    /// Overwrite an existing file
-    #[arg(long)]
-    pub(super) force: bool,
+    /// Write over a file that is there already
+    #[arg(long, alias = "force")]
+    pub(super) replace: bool,
     /// Size of the frames, for formats that contain it [default: the path's, or 1280x720]
     #[arg(short, long, value_name = "WxH", value_parser = parse_size)]
     pub(super) size: Option<(u32, u32)>,

@@ -1,6 +1,6 @@
 //! `flythrough path import`: a camera path file from an animated camera of another program.
 
-use super::outcome::{Failure, Status, keep, written};
+use super::outcome::{Failure, Status, keep};
 use super::path_args::ImportArguments;
 use crate::camera_formats::{camera_path_to_ron, import_cameras, parse_camera_path};
 use crate::storage::write_atomic;
@@ -8,7 +8,7 @@ use std::io::Write;
 
 pub(super) fn run(arguments: &ImportArguments) -> Result<Status, Failure> {
     let out = &arguments.out;
-    keep(out, arguments.force)?;
+    keep(out, arguments.replace)?;
     let import = import_cameras(&arguments.file, arguments.fps, arguments.camera.as_deref())?;
     let name = arguments.file.file_name().unwrap_or_default();
     let comment = format!(
@@ -17,7 +17,7 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Status, Failure> {
     );
     let text = camera_path_to_ron(&import.frames, import.size, &comment);
     let path = parse_camera_path(&arguments.file, text.as_bytes())?.path;
-    written(out, write_atomic(out, text.as_bytes()))?;
+    write_atomic(out, text.as_bytes())?;
     let timeline = path.timeline();
     writeln!(
         std::io::stdout(),

@@ -1,6 +1,6 @@
 //! `flythrough path plot`: the plot of a camera path through a scene.
 
-use super::outcome::{Failure, Status, warn, written};
+use super::outcome::{Failure, Status, keep, warn};
 use super::path_args::PlotArguments;
 use crate::drawing::path_plot::plot;
 use crate::input::Settings;
@@ -17,6 +17,7 @@ pub(super) fn run(arguments: &PlotArguments) -> Result<Status, Failure> {
         let out = arguments.out.display();
         return Err(format!("{out}: the picture is an SVG file: name it .svg").into());
     }
+    keep(&arguments.out, arguments.replace)?;
     let flags = Settings {
         size: arguments.size,
         ..Settings::default()
@@ -32,6 +33,6 @@ pub(super) fn run(arguments: &PlotArguments) -> Result<Status, Failure> {
     let svg = loaded
         .pool
         .install(|| plot(scene, path, aspect, &title.to_string_lossy()))?;
-    written(&arguments.out, write_atomic(&arguments.out, svg.as_bytes()))?;
+    write_atomic(&arguments.out, svg.as_bytes())?;
     Ok(Status::Done)
 }

@@ -44,9 +44,7 @@ pub(super) struct SequenceProgress {
     frames: AtomicU64,
     frames_stored: AtomicU64,
     rays: AtomicU64,
-    start: Instant,
-    /// Time of the last line, in milliseconds from the start.
-    last_line: AtomicU64,
+    lines: Lines,
     interrupt: Interrupt,
 }
 
@@ -74,8 +72,7 @@ impl SequenceProgress {
             frames: AtomicU64::new(frames),
             frames_stored: AtomicU64::new(0),
             rays: AtomicU64::new(0),
-            start: Instant::now(),
-            last_line: AtomicU64::new(0),
+            lines: Lines::new(),
             interrupt,
         }
     }
@@ -91,8 +88,8 @@ impl SequenceProgress {
     fn update(&self) {
         match self.shown {
             Shown::Bar => self.bar.set_message(self.state()),
-            Shown::Lines if self.is_time_for_a_line(60_000) => eprintln!("{}", self.state()),
-            Shown::OpenJobDescription if self.is_time_for_a_line(1_000) => self.tell_openjd(),
+            Shown::Lines if self.lines.is_time(60_000, 60_000) => eprintln!("{}", self.state()),
+            Shown::OpenJobDescription if self.lines.is_time(1_000, 1_000) => self.tell_openjd(),
             _ => {}
         }
     }
@@ -106,7 +103,7 @@ impl SequenceProgress {
     }
 
     fn state(&self) -> String {
-        let elapsed = self.start.elapsed();
+        let elapsed = self.lines.start.elapsed();
         format!(
             "frame {}/{}  {}  ETA {}",
             self.frames_stored.load(Ordering::Relaxed),
@@ -114,17 +111,6 @@ impl SequenceProgress {
             rays_per_second(self.rays.load(Ordering::Relaxed), elapsed),
             remaining(elapsed, self.done()).map_or("?".to_owned(), clock),
         )
-    }
-
-    /// Whether `pause` milliseconds have passed since this was last true; it is for one thread only.
-    fn is_time_for_a_line(&self, pause: u64) -> bool {
-        let now = self.start.elapsed().as_millis() as u64;
-        let last = self.last_line.load(Ordering::Relaxed);
-        let swap = || {
-            self.last_line
-                .compare_exchange(last, now, Ordering::Relaxed, Ordering::Relaxed)
-        };
-        now - last.min(now) >= pause && swap().is_ok()
     }
 
     fn tell_openjd(&self) {
@@ -175,7 +161,9 @@ impl RenderObserver for SequenceProgress {
 /// A bar for work whose fraction done is known: the current step, ETA.
 pub(super) struct FractionProgress {
     bar: ProgressBar,
-    start: Instant,
+    /// Whether there are lines in place of a bar.
+    has_lines: bool,
+    lines: Lines,
 }
 
 impl FractionProgress {
@@ -185,7 +173,8 @@ impl FractionProgress {
     pub(super) fn new(quiet: bool) -> FractionProgress {
         FractionProgress {
             bar: bar(Self::STEPS, quiet),
-            start: Instant::now(),
+            has_lines: !quiet && !std::io::stderr().is_terminal(),
+            lines: Lines::new(),
         }
     }
 
@@ -196,9 +185,41 @@ impl FractionProgress {
 
     /// The fraction `done` is done; `what` is the current step.
     pub(super) fn at(&self, done: f64, what: &str) {
-        let left = remaining(self.start.elapsed(), done).map_or("?".to_owned(), clock);
+        let left = remaining(self.lines.start.elapsed(), done).map_or("?".to_owned(), clock);
+        if self.has_lines && self.lines.is_time(2_000, 60_000) {
+            eprintln!("{what}: {:.0} %  ETA {left}", 100.0 * done);
+        }
         self.bar.set_position((done * Self::STEPS as f64) as u64);
         self.bar.set_message(format!("{what}  ETA {left}"));
+    }
+}
+
+/// When it is time for a line of progress.
+struct Lines {
+    start: Instant,
+    /// Time of the last line, in milliseconds from the start; 0 before the first.
+    last: AtomicU64,
+}
+
+impl Lines {
+    fn new() -> Lines {
+        Lines {
+            start: Instant::now(),
+            last: AtomicU64::new(0),
+        }
+    }
+
+    /// Whether `first` milliseconds have passed since the start, or `pause` since this was last true; it is for one
+    /// thread only.
+    fn is_time(&self, first: u64, pause: u64) -> bool {
+        let now = self.start.elapsed().as_millis() as u64;
+        let last = self.last.load(Ordering::Relaxed);
+        let wait = if last == 0 { first } else { pause };
+        let swap = || {
+            self.last
+                .compare_exchange(last, now, Ordering::Relaxed, Ordering::Relaxed)
+        };
+        now - last.min(now) >= wait && swap().is_ok()
     }
 }
 

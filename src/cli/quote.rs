@@ -5,7 +5,8 @@ use super::outcome::{Failure, Status, warn};
 use super::progress::{FractionProgress, clock};
 use super::values::parse_time;
 use crate::forecast::Forecast;
-use crate::job::{Accuracy, Job, SavedEstimate, make_folder};
+use crate::job::{Accuracy, Job, KeepCache, SavedEstimate};
+use crate::storage::Folder;
 use clap::Args;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -19,7 +20,7 @@ use std::time::Duration;
 ///
 /// With --out the estimate is kept, too, and render prints how far off it was.
 ///
-/// Exit status: 0 success, 2 wrong input or usage.
+/// Exit status: 0 success; 2 wrong input or usage; 3 the system lacked something for now, as room on the disk.
 #[derive(Debug, Args)]
 pub(super) struct QuoteArguments {
     #[command(flatten)]
@@ -43,13 +44,11 @@ pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
         &arguments.job.options(false),
     )?;
     warn(&job.inputs().scene.warnings);
-    if let Some(out) = out {
-        make_folder(out)?;
-    }
-    super::bake::bake(&mut job, arguments.quiet)?;
+    let folder = out.map(Folder::create).transpose()?;
+    super::bake::bake(&mut job, KeepCache::IfPossible, arguments.quiet)?;
     let progress = FractionProgress::new(arguments.quiet);
     let listener = |done: f64, what: &'static str| progress.at(done, what);
-    let saved = SavedEstimate::new(&mut job, arguments.budget, out, &listener);
+    let saved = SavedEstimate::new(&mut job, arguments.budget, folder.as_ref(), &listener);
     progress.finish();
     let SavedEstimate {
         choice, estimate, ..

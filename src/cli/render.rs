@@ -5,21 +5,21 @@ use super::error_chart::error_chart;
 use super::frames::FrameRanges;
 use super::interrupt::Interrupt;
 use super::job_args::JobArguments;
-use super::outcome::{Failure, Status, error_summary, say, warn};
+use super::outcome::{Failure, Status, error_summary, say, say_waiting, warn};
 use super::progress::{FractionProgress, SequenceProgress, clock, rays_per_second};
 use super::quote::accuracy_lines;
-use super::sheet::draw;
 use super::values::{OrderArgument, PrepareArgument, ProgressArgument, parse_time};
-use super::verify::verify;
+use super::verify::{changed_since, stray_line, verify};
 use crate::camera::FrameCameras;
 use crate::camera_formats::camera_table;
-use crate::frames::{FrameFolder, Manifest, VerifyError};
-use crate::job::{Job, SavedEstimate, Spec, choose_samples_for_budget};
+use crate::frames::{FrameFolder, Manifest, VerifyError, write_contact_sheet};
+use crate::job::{Job, KeepCache, SavedEstimate, Spec, choose_samples_for_budget};
 use crate::render::{ErrorEstimate, Outcome};
 use crate::sampling::van_der_corput_order;
+use crate::storage::Folder;
 use clap::Args;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Render the frames of a camera path
@@ -28,10 +28,12 @@ use std::time::{Duration, Instant};
 ///
 /// Existing frames are verified: each carries a hash of its pixels and of all its inputs. Frames that are whole,
 /// unchanged and made from the same inputs are kept, all others are rendered again. So the same command continues an
-/// interrupted run, and several processes, on one machine or many, may share a folder.
+/// interrupted run, and several processes, on one machine or many, may share a folder. Finished frames of another
+/// sequence are not replaced unless --replace allows it.
 ///
-/// Exit status: 0 success, all frames are there; 2 wrong input or usage (trying again cannot help); 3 some frames
-/// failed (it may); 75 interrupted by SIGTERM or Ctrl-C (the same command continues).
+/// Exit status: 0 success, all frames of the request are proven to be there, as they were rendered; 2 wrong input or
+/// usage (trying again cannot help); 3 some frames failed, or files beside them look like frames (it may); 75
+/// interrupted by SIGTERM, SIGINT (Ctrl-C), SIGHUP or SIGUSR1 (the same command continues).
 #[derive(Debug, Args)]
 pub(super) struct RenderArguments {
     #[command(flatten)]
@@ -61,6 +63,12 @@ pub(super) struct RenderArguments {
     /// Render frames even if they are there already
     #[arg(long)]
     force: bool,
+    /// Allow to render in place of finished frames of another sequence, and of files that flythrough did not write
+    #[arg(long)]
+    replace: bool,
+    /// Remove frames that are none of the sequence, as those of another format or beyond its last frame
+    #[arg(long)]
+    clean: bool,
     /// How progress is shown
     #[arg(long, value_enum, default_value = "auto")]
     progress: ProgressArgument,
@@ -81,15 +89,21 @@ impl RenderArguments {
 
 pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<Status, Failure> {
     let out = arguments.folder();
+    // Previews are made again and again.
+    let mut may_replace = arguments.replace;
     if arguments.preview
         && let Ok(there) = FrameFolder::open(&out)
-        && !Spec::of_folder(&there).is_ok_and(|spec| spec.preview)
     {
-        let out = out.display();
-        return Err(format!("{out}: holds other frames than a preview; use another --out").into());
+        may_replace = Spec::of_folder(&there).is_ok_and(|spec| spec.preview);
+        if !may_replace {
+            let out = out.display();
+            return Err(
+                format!("{out}: holds other frames than a preview; use another --out").into(),
+            );
+        }
     }
     let spec = arguments.job.spec(arguments.preview);
-    let options = arguments.job.options(arguments.force);
+    let options = arguments.job.options(arguments.force || arguments.replace);
     let mut job = Job::new(spec, Some(&out), &options)?;
     warn(&job.inputs().scene.warnings);
     let count = job.frame_count();
@@ -98,22 +112,11 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         Some(ranges) => ranges.of_path(count)?,
     };
     if let Some(budget) = arguments.budget {
-        let progress = FractionProgress::new(arguments.quiet);
-        let choice = choose_samples_for_budget(&mut job, budget, &out, &|done, what| {
-            progress.at(done, what)
-        });
-        progress.finish();
-        if let (Some(choice), false) = (choice?, arguments.quiet) {
-            let budget = clock(budget);
-            say(format_args!(
-                "{} samples of each pixel fit into {budget}",
-                choice.samples
-            ));
-        }
+        choose_samples(&mut job, budget, &out, arguments)?;
     }
     let folder = FrameFolder::new(&out, job.sequence(&out)?, arguments.force);
     if arguments.prepare == Some(PrepareArgument::Sequence) {
-        folder.prepare()?;
+        folder.prepare(may_replace)?;
         return Ok(Status::Done);
     }
     let mut missing = match arguments.force {
@@ -121,14 +124,27 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         false => (job.inputs().pool).install(|| missing(&folder, &frames, arguments.quiet)),
     };
     if !missing.is_empty() || !folder.has_its_sequence() {
-        folder.prepare()?;
+        folder.prepare(may_replace)?;
     }
+    let strays = strays(&folder, arguments)?;
+    warn(&strays);
     if !missing.is_empty() {
         if arguments.preview {
-            // It shows other frames, if this is interrupted.
-            let _ = std::fs::remove_file(folder.sheet());
+            // If this fails, so will drawing it again.
+            let _ = folder.remove_sheet();
         }
-        bake(&mut job, arguments.quiet)?;
+        let keep = match arguments.prepare {
+            Some(_) => KeepCache::Always,
+            None => KeepCache::IfPossible,
+        };
+        if !arguments.quiet && job.has_to_bake() && missing.len() < count as usize {
+            let path_traced = "--gi path-traced renders frames without it";
+            say(format_args!(
+                "baking the irradiance cache of all {count} frames, which share it, for {}: {path_traced}",
+                frames_in_words(missing.len())
+            ));
+        }
+        bake(&mut job, keep, arguments.quiet)?;
     }
     if arguments.prepare == Some(PrepareArgument::Cache) {
         return Ok(Status::Done);
@@ -142,8 +158,9 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
 
     let shown = arguments.progress.shown(arguments.quiet);
     let start = Instant::now();
-    let progress = SequenceProgress::new(missing.len(), job.settings(), shown, interrupt);
+    let progress = SequenceProgress::new(missing.len(), job.settings(), shown, interrupt.clone());
     let outcome = job.render(&missing, &folder, &progress);
+    interrupt.rendering_is_over();
     progress.finish();
     let elapsed = start.elapsed();
 
@@ -158,10 +175,6 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
             say(format_args!("{line}"));
         }
     }
-    let is_shown = match arguments.preview && !outcome.stopped {
-        true => (job.inputs().pool).install(|| show(&folder, &frames, arguments.quiet)),
-        false => true,
-    };
     warn(&shortcomings(&outcome, job.settings().target_error));
     if is_anothers {
         warn(&[format!(
@@ -169,13 +182,92 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
             folder.path().display()
         )]);
     }
-    Ok(if outcome.stopped {
-        Status::Interrupted
-    } else if outcome.failures.is_empty() && is_listed && is_shown && !is_anothers {
-        Status::Done
-    } else {
-        Status::SomeFailed
-    })
+    if outcome.stopped {
+        return Ok(Status::Interrupted);
+    }
+    let is_shown = match arguments.preview {
+        true => (job.inputs().pool).install(|| show(&folder, &frames, arguments.quiet)),
+        false => true,
+    };
+    let is_proven =
+        outcome.failures.is_empty() && is_proven(&folder, &frames, &job, arguments.quiet);
+    // A part of the sequence is not concerned by what is beside it.
+    let is_clean = strays.is_empty() || frames.len() < count as usize;
+    Ok(
+        match is_proven && is_listed && is_shown && !is_anothers && is_clean {
+            true => Status::Done,
+            false => Status::SomeFailed,
+        },
+    )
+}
+
+/// Gives the job the samples that a budget allows, and says how many.
+fn choose_samples(
+    job: &mut Job,
+    budget: Duration,
+    out: &Path,
+    arguments: &RenderArguments,
+) -> Result<(), Failure> {
+    let out = Folder::create(out)?;
+    let progress = FractionProgress::new(arguments.quiet);
+    let listener = |done: f64, what: &'static str| progress.at(done, what);
+    let choice = choose_samples_for_budget(
+        job,
+        budget,
+        &out,
+        arguments.replace,
+        &listener,
+        &say_waiting,
+    );
+    progress.finish();
+    if let (Some(choice), false) = (choice?, arguments.quiet) {
+        let budget = clock(budget);
+        say(format_args!(
+            "{} samples of each pixel fit into {budget}",
+            choice.samples
+        ));
+    }
+    Ok(())
+}
+
+/// What is wrong with files beside the frames that look like frames; those that the program wrote are removed if the
+/// user says so.
+fn strays(folder: &FrameFolder, arguments: &RenderArguments) -> Result<Vec<String>, Failure> {
+    if arguments.clean {
+        for name in folder.clean()? {
+            if !arguments.quiet {
+                say(format_args!(
+                    "removed {}",
+                    folder.path().join(name).display()
+                ));
+            }
+        }
+    }
+    let strays = folder.strays()?;
+    Ok(strays
+        .iter()
+        .map(|stray| stray_line(folder, stray))
+        .collect())
+}
+
+/// Whether the frames are there as they were verified or stored. Says which are not.
+fn is_proven(folder: &FrameFolder, frames: &[u32], job: &Job, quiet: bool) -> bool {
+    let changed = (job.inputs().pool).install(|| changed_since(folder, frames, quiet));
+    for (frame, error) in &changed {
+        let file = folder.file_of(*frame);
+        warn(&[format!(
+            "{}: changed since it was rendered or verified: {error}; render the sequence again",
+            file.display()
+        )]);
+    }
+    changed.is_empty()
+}
+
+fn frames_in_words(count: usize) -> String {
+    match count {
+        1 => "1 frame".to_owned(),
+        count => format!("{count} frames"),
+    }
 }
 
 /// The frames that are not verified. Says what is wrong with those that are there.
@@ -213,9 +305,10 @@ fn list(folder: &FrameFolder, job: &Job, changed: bool) -> bool {
     let list = || {
         if changed || !Manifest::is_current(folder) {
             folder.sync();
-            Manifest::update(folder, error_chart)?;
+            Manifest::update(folder, error_chart, &say_waiting)?;
         }
-        folder.write_camera_table(&camera_table(&FrameCameras::of(&job.inputs().path.path))?)
+        let table = camera_table(&FrameCameras::of(&job.inputs().path.path))?;
+        Ok::<(), Failure>(folder.write_camera_table(&table)?)
     };
     let listed = list();
     if let Err(error) = &listed {
@@ -228,7 +321,7 @@ fn list(folder: &FrameFolder, job: &Job, changed: bool) -> bool {
 /// Makes a contact sheet of frames, and says where it is.
 fn show(folder: &FrameFolder, frames: &[u32], quiet: bool) -> bool {
     let sheet = folder.sheet();
-    let drawn = draw(folder, frames, &sheet);
+    let drawn = write_contact_sheet(folder, frames, &sheet);
     match &drawn {
         Err(error) => warn(&[error.to_string()]),
         Ok(()) if quiet => {}

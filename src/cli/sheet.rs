@@ -1,12 +1,12 @@
 //! `sheet`: a contact sheet of a folder of frames.
 
 use super::frames::FrameRanges;
-use super::outcome::{Failure, Status, written};
-use crate::frames::{FrameFolder, write_contact_sheet};
+use super::outcome::{Failure, Status, keep};
+use crate::frames::write_contact_sheet;
 use crate::job::open_folder;
 use clap::Args;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Draw a contact sheet of a folder of frames
 ///
@@ -21,6 +21,9 @@ pub(super) struct SheetArguments {
     /// File for the sheet, a PNG [default: sheet.png in the folder]
     #[arg(short, long, value_name = "FILE")]
     out: Option<PathBuf>,
+    /// Write over a file that is there already; the folder's own sheet.png is replaced in any case
+    #[arg(long)]
+    replace: bool,
     /// Frames to choose from, as in 0-99:2,120 [default: all]
     #[arg(short, long, value_name = "RANGES")]
     frames: Option<FrameRanges>,
@@ -46,14 +49,11 @@ pub(super) fn run(arguments: &SheetArguments) -> Result<Status, Failure> {
         let file = file.display();
         return Err(format!("--out: {file}: the sheet is a PNG file: name it .png").into());
     }
-    draw(&folder, &frames, &file)?;
+    let is_own = file == folder.sheet() && folder.has_its_sheet();
+    keep(&file, arguments.replace || is_own)?;
+    write_contact_sheet(&folder, &frames, &file)?;
     if !arguments.quiet {
         writeln!(std::io::stdout(), "{}", file.display())?;
     }
     Ok(Status::Done)
-}
-
-/// Makes a contact sheet of some frames of a folder.
-pub(super) fn draw(folder: &FrameFolder, frames: &[u32], file: &Path) -> Result<(), Failure> {
-    written(file, write_contact_sheet(folder, frames, file))
 }

@@ -1,27 +1,33 @@
 //! `verify`: whether every frame of a sequence is there, whole, unchanged and made from what it should be.
 
 use super::job_args::RecordedJobArguments;
-use super::outcome::{Failure, Status, say, warn};
+use super::outcome::{Failure, Status, say};
 use super::progress::FractionProgress;
-use crate::frames::{FrameFolder, FrameRecord, VerifyError};
-use crate::job::{open_folder, pool};
+use crate::frames::{FrameFolder, FrameRecord, Stray, VerifyError};
+use crate::job::{JobError, open_folder, pool};
 use clap::Args;
 use rayon::prelude::*;
 use std::path::{PathBuf, absolute};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use thiserror::Error;
 
 /// Verify that every frame of a sequence is there, whole, unchanged and made from its inputs as they are now
 ///
-/// Prints a line for each frame that is not, and why. If the inputs cannot be loaded, a warning says so, and frames are
-/// verified against the inputs as recorded when they were rendered.
+/// Prints a line for each frame that is not, and why; and what sequence.ron says of frame rate, number, size and format
+/// of the frames that is not so.
 ///
-/// Exit status: 0 all frames are verified, 2 not a folder of frames, 3 some frames are not: render again.
+/// Exit status: 0 all frames are verified; 2 not a folder of frames, or its inputs cannot be loaded; 3 some frames are
+/// not: render again.
 #[derive(Debug, Args)]
 pub(super) struct VerifyArguments {
     /// Folder of the frames
     folder: PathBuf,
     #[command(flatten)]
     inputs: RecordedJobArguments,
+    /// Verify frames against what was recorded when they were rendered, whatever has become of scene and path since:
+    /// for a folder that was copied without them
+    #[arg(long, conflicts_with_all = ["scene", "path"])]
+    as_recorded: bool,
     /// No progress bar and no summary
     #[arg(short, long)]
     quiet: bool,
@@ -31,41 +37,41 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
     let out = absolute(&arguments.folder)?;
     let recorded = FrameFolder::open(&out)?;
     let options = arguments.inputs.options();
-    let job = arguments.inputs.job_of(&recorded);
-    let current = job.and_then(|job| Ok((job.sequence(&out)?, job)));
-    let folder = match &current {
-        Ok((sequence, _)) => FrameFolder::new(&out, sequence.clone(), false),
-        Err(error) => {
-            warn(&[format!(
-                "what the frames were made from cannot be loaded, so changes since are not seen: {error}"
-            )]);
-            open_folder(&out, &options.accepted_builds)?
-        }
-    };
-    let own_pool;
-    let pool = match &current {
-        Ok((_, job)) => &job.inputs().pool,
-        Err(_) => {
-            own_pool = pool(options.threads)?;
-            &own_pool
-        }
+    let (folder, pool, mut lines) = if arguments.as_recorded {
+        let folder = open_folder(&out, &options.accepted_builds)?;
+        (folder, pool(options.threads)?, Vec::new())
+    } else {
+        let job = arguments.inputs.job_of(&recorded);
+        let job = job.map_err(|error| CannotBeLoaded {
+            folder: out.clone(),
+            error,
+        })?;
+        let sequence = job.sequence(&out)?;
+        let contradictions = sequence.contradictions(recorded.sequence()).into_iter();
+        let file = recorded.sequence_file();
+        let lines = contradictions
+            .map(|what| format!("{}: {what}; render the sequence again", file.display()));
+        (
+            FrameFolder::new(&out, sequence, false),
+            job.into_pool(),
+            lines.collect(),
+        )
     };
     let count = folder.sequence().frames;
     let frames: Vec<u32> = (0..count).collect();
-    let mut lines = Vec::new();
+    let mut verified_count = 0;
     for (frame, verified) in pool.install(|| verify(&folder, &frames, arguments.quiet)) {
-        if let Err(error) = verified {
-            lines.push(format!("{}: {error}", folder.file_of(frame).display()));
+        match verified {
+            Ok(_) => verified_count += 1,
+            Err(error) => lines.push(format!("{}: {error}", folder.file_of(frame).display())),
         }
     }
-    let verified = count as usize - lines.len();
-    for name in folder.strays()? {
-        let stray = folder.path().join(name);
-        lines.push(format!(
-            "{}: no frame of the sequence; remove it",
-            stray.display()
-        ));
-    }
+    lines.extend(
+        folder
+            .strays()?
+            .iter()
+            .map(|stray| stray_line(&folder, stray)),
+    );
     let status = match lines.is_empty() {
         true => Status::Done,
         false => Status::SomeFailed,
@@ -73,7 +79,7 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
     if !arguments.quiet {
         let folder = folder.path().display();
         lines.push(format!(
-            "{verified} of {count} frames are verified: {folder}"
+            "{verified_count} of {count} frames are verified: {folder}"
         ));
     }
     for line in lines {
@@ -82,21 +88,68 @@ pub(super) fn run(arguments: &VerifyArguments) -> Result<Status, Failure> {
     Ok(status)
 }
 
+/// What is wrong with a file that is no frame of the sequence.
+pub(super) fn stray_line(folder: &FrameFolder, stray: &Stray) -> String {
+    let file = folder.path().join(&stray.name);
+    let what_to_do = match stray.is_own {
+        true => "render --clean removes it",
+        false => "move it away",
+    };
+    format!("{}: no frame of the sequence: {what_to_do}", file.display())
+}
+
+/// Why frames are not verified: what they were made from cannot be loaded.
+#[derive(Debug, Error)]
+#[error(
+    "{folder}: what its frames were made from cannot be loaded: {error}: --scene and --path say where it is now, and \
+     --as-recorded verifies the frames against what was recorded",
+    folder = .folder.display()
+)]
+struct CannotBeLoaded {
+    folder: PathBuf,
+    #[source]
+    error: JobError,
+}
+
 /// Verifies frames on all threads of the current pool; gives them in their order.
 pub(super) fn verify(
     folder: &FrameFolder,
     frames: &[u32],
     quiet: bool,
 ) -> Vec<(u32, Result<FrameRecord, VerifyError>)> {
+    of_each(frames, "verifying frames", quiet, |frame| {
+        folder.verify(frame)
+    })
+}
+
+/// Proves frames that were verified or stored before: see [`FrameFolder::prove`]. Gives those that have changed since.
+pub(super) fn changed_since(
+    folder: &FrameFolder,
+    frames: &[u32],
+    quiet: bool,
+) -> Vec<(u32, VerifyError)> {
+    let proven = of_each(frames, "proving frames", quiet, |frame| folder.prove(frame));
+    let changed = proven.into_iter();
+    changed
+        .filter_map(|(frame, proven)| Some((frame, proven.err()?)))
+        .collect()
+}
+
+fn of_each<T: Send>(
+    frames: &[u32],
+    what: &str,
+    quiet: bool,
+    of: impl Fn(u32) -> T + Sync,
+) -> Vec<(u32, T)> {
     let progress = FractionProgress::new(quiet);
     let done = AtomicUsize::new(0);
-    let verify = |&frame: &u32| {
-        let verified = folder.verify(frame);
+    let one = |&frame: &u32| {
+        let found = of(frame);
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        progress.at(done as f64 / frames.len() as f64, "verifying frames");
-        (frame, verified)
+        progress.at(done as f64 / frames.len() as f64, what);
+        (frame, found)
     };
-    let all = frames.par_iter().map(verify).collect();
+    let all = frames.par_iter().map(one).collect();
     progress.finish();
     all
 }

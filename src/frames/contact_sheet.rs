@@ -1,12 +1,13 @@
 //! The contact sheet of a folder of frames.
 
 use super::encoded_pixels::EncodedPixels;
+use super::file_names::SHEET_METADATA;
 use super::folder::FrameFolder;
 use super::format::FrameFormat;
 use super::png_file;
 use crate::drawing::contact_sheet::ContactSheet;
 use crate::film::Film;
-use crate::storage::write_atomic;
+use crate::storage::{FileError, write_atomic};
 use std::fs;
 use std::io;
 use std::path::{Component, Path};
@@ -19,7 +20,11 @@ const MAX_FRAMES: usize = 30;
 /// replaced by the reason.
 ///
 /// Reads the frames on all threads of the current pool.
-pub fn write_contact_sheet(folder: &FrameFolder, listed: &[u32], file: &Path) -> io::Result<()> {
+pub fn write_contact_sheet(
+    folder: &FrameFolder,
+    listed: &[u32],
+    file: &Path,
+) -> Result<(), FileError> {
     let sequence = folder.sequence();
     let count = listed.len().min(MAX_FRAMES);
     let frames: Vec<u32> = spread(listed.len(), count).map(|at| listed[at]).collect();
@@ -42,14 +47,17 @@ pub fn write_contact_sheet(folder: &FrameFolder, listed: &[u32], file: &Path) ->
     };
     let drawn = sheet
         .draw(|number| film(folder, frames[number]))
-        .map_err(io::Error::other)?;
+        .map_err(|error| FileError::writing(file, io::Error::other(error)))?;
     let pixels = EncodedPixels {
         width: drawn.width(),
         height: drawn.height(),
         samples: drawn.into_raw(),
     };
-    let bytes = png_file::encode(&pixels, png::BitDepth::Eight, "contact sheet")?;
-    write_atomic(file, &bytes)
+    let bytes = png_file::encode(&pixels, png::BitDepth::Eight, SHEET_METADATA);
+    write_atomic(
+        file,
+        &bytes.map_err(|error| FileError::writing(file, error))?,
+    )
 }
 
 /// `count` numbers below `all`, evenly spread, the first and the last among them; `count` is at most `all`.
@@ -71,7 +79,7 @@ fn title(folder: &FrameFolder) -> String {
 
 /// A frame as a display shows it, or in short why it fails verification.
 fn film(folder: &FrameFolder, frame: u32) -> Result<Film, String> {
-    let (_, pixels) = folder.verified(frame).map_err(|error| {
+    let (_, _, pixels) = folder.verified(frame).map_err(|error| {
         let message = error.to_string();
         let (short, _) = message.split_once(':').unwrap_or((&message, ""));
         short.to_owned()

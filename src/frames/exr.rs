@@ -5,8 +5,8 @@ use crate::film::Film;
 use exr::meta::MetaData;
 use exr::prelude::*;
 use glam::Vec3;
-use std::io::{self, Cursor};
-use std::path::Path;
+use std::fs::File;
+use std::io::{self, BufReader, Cursor};
 
 /// The bytes of a file that holds a film, with `metadata` in its `flythrough` attribute.
 pub fn encode(film: &Film, metadata: &str) -> io::Result<Vec<u8>> {
@@ -27,8 +27,9 @@ pub fn encode(film: &Film, metadata: &str) -> io::Result<Vec<u8>> {
 }
 
 /// The `flythrough` attribute of a file; none if it has none.
-pub fn read_metadata(file: &Path) -> io::Result<Option<String>> {
-    let meta = MetaData::read_from_file(file, false).map_err(io::Error::other)?;
+pub(super) fn read_metadata(file: File) -> io::Result<Option<String>> {
+    let meta =
+        MetaData::read_from_buffered(BufReader::new(file), false).map_err(io::Error::other)?;
     Ok(metadata_in(&meta))
 }
 
@@ -76,8 +77,14 @@ pub(super) fn contents(bytes: &[u8], size: (u32, u32)) -> std::result::Result<Co
     Ok(Contents { metadata, pixels })
 }
 
+/// The metadata and the film that a file's bytes hold.
+pub fn decode_with_metadata(bytes: &[u8]) -> io::Result<(Option<String>, Film)> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(io::Error::other)?;
+    Ok((metadata_in(&meta), decode(bytes)?))
+}
+
 /// The film that a file's bytes hold.
-pub fn decode(bytes: &[u8]) -> io::Result<Film> {
+pub(super) fn decode(bytes: &[u8]) -> io::Result<Film> {
     let read = read()
         .no_deep_data()
         .largest_resolution_level()

@@ -2,63 +2,30 @@
 //! and renamed, so that a file under a frame's name is a whole frame or was changed from outside.
 
 use super::encoded_pixels::EncodedPixels;
+use super::file_names::{
+    CAMERAS_FILE, MAX_TEXT, OWN_FILES, SEQUENCE_FILE, SHEET_FILE, error_map_name, frame_name,
+    is_table_of_frames,
+};
 use super::format::FrameFormat;
+use super::proof::{FileHash, FrameProof};
 use super::record::FrameRecord;
 use super::sequence_record::SequenceRecord;
 use super::verify::{Expected, VerifyError};
 use crate::render::{Claim, EncodedFrame, FrameSink, RenderedFrame, SinkError};
-use crate::storage::{PartFile, check_writable, remove_leftovers, write_atomic};
-use std::collections::HashSet;
-use std::fs::{self, File};
-use std::io;
-use std::os::unix::fs::MetadataExt;
+use crate::storage::{FileError, FileIdentity, FileLock, Folder, PartFile};
+use std::collections::HashMap;
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
-use std::time::SystemTime;
+use std::sync::{Mutex, OnceLock};
 use thiserror::Error;
-
-/// The file beside the frames that records the expected ones: format, size, input hashes.
-const SEQUENCE_FILE: &str = "sequence.ron";
-
-/// The contact sheet beside the frames.
-const SHEET_FILE: &str = "sheet.png";
-
-/// The table beside the frames that lists their cameras.
-const CAMERAS_FILE: &str = "cameras.jsonl";
-
-/// How the names of all files begin that are written to a folder.
-const OWN_FILES: [&str; 9] = [
-    "frame_",
-    "error_",
-    SEQUENCE_FILE,
-    CAMERAS_FILE,
-    "manifest.ron",
-    "errors.",
-    "estimate.ron",
-    "irradiance.cache",
-    SHEET_FILE,
-];
 
 /// Why a folder cannot be used.
 #[derive(Debug, Error)]
 pub enum FolderError {
-    /// The folder cannot be made or written.
-    #[error("{folder}: cannot be written: {source}", folder = .folder.display())]
-    Unwritable {
-        /// The folder.
-        folder: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// The folder cannot be read.
-    #[error("{folder}: cannot be read: {source}", folder = .folder.display())]
-    Unreadable {
-        /// The folder.
-        folder: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
-    /// Its `sequence.ron` is missing or cannot be read.
+    /// A file of it cannot be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// Its `sequence.ron` is missing or cannot be understood.
     #[error(
         "{file}: {message}: not a folder of frames, or the file is lost or damaged; render the sequence (again): \
          verified frames are kept",
@@ -70,79 +37,132 @@ pub enum FolderError {
         /// What is wrong with it.
         message: String,
     },
+    /// It has finished frames of another sequence.
+    #[error(
+        "{folder}: finished frames of {sequence} are there, {count} in number, {first} the first: use another folder, \
+         or --replace to render in their place{accept}",
+        folder = .folder.display(),
+        sequence = match .other_build {
+            Some(_) => "another build of the program",
+            None => "another sequence (scene, path or settings differ)",
+        },
+        accept = match .other_build {
+            Some(build) => format!(", or --accept-build {build} to keep them"),
+            None => String::new(),
+        }
+    )]
+    Occupied {
+        /// The folder.
+        folder: PathBuf,
+        /// How many.
+        count: usize,
+        /// The name of the first.
+        first: String,
+        /// The build of the first, if nothing else differs.
+        other_build: Option<String>,
+    },
+    /// It has a file under the name of one of its own that the program did not write.
+    #[error(
+        "{file}: is there already, and flythrough did not write it: use another folder, or --replace to write over it",
+        file = .file.display()
+    )]
+    Foreign {
+        /// The file.
+        file: PathBuf,
+    },
 }
 
 /// A folder of the numbered frames of a sequence.
 #[derive(Debug)]
 pub struct FrameFolder {
-    folder: PathBuf,
+    path: PathBuf,
     sequence: SequenceRecord,
     /// Whether verified frames are rendered again all the same.
     force: bool,
+    /// The folder, since it was first there.
+    opened: OnceLock<Folder>,
     /// Which `sequence.ron` was there when the folder was prepared.
     prepared_file: OnceLock<Option<FileIdentity>>,
+    /// What was verified or stored by this process.
+    proofs: Mutex<HashMap<u32, FrameProof>>,
 }
-
-/// Tells a file from one that is put in its place: inode and time of the last change.
-type FileIdentity = (u64, SystemTime);
 
 /// The lock on a frame, with the right to write its files.
 #[derive(Debug)]
 pub struct FrameLock {
     image: PartFile,
     error_map: Option<PartFile>,
+    _lock: Option<FileLock>,
 }
 
 impl FrameFolder {
     /// A folder that exists or will, of the frames of a sequence.
-    pub fn new(folder: &Path, sequence: SequenceRecord, force: bool) -> FrameFolder {
+    pub fn new(path: &Path, sequence: SequenceRecord, force: bool) -> FrameFolder {
         FrameFolder {
-            folder: folder.to_owned(),
+            path: path.to_owned(),
             sequence,
             force,
+            opened: OnceLock::new(),
             prepared_file: OnceLock::new(),
+            proofs: Mutex::default(),
         }
     }
 
     /// A folder that exists, of the frames that its `sequence.ron` records.
-    pub fn open(folder: &Path) -> Result<FrameFolder, FolderError> {
-        let file = folder.join(SEQUENCE_FILE);
-        let text = fs::read_to_string(&file).map_err(|error| error.to_string());
-        let sequence = text.and_then(|text| SequenceRecord::from_text(&text));
-        let sequence = sequence.map_err(|message| FolderError::NoSequence { file, message })?;
-        Ok(FrameFolder::new(folder, sequence, false))
+    pub fn open(path: &Path) -> Result<FrameFolder, FolderError> {
+        let text = Folder::open(path).and_then(|folder| folder.read_text(SEQUENCE_FILE, MAX_TEXT));
+        let no_sequence = |message| FolderError::NoSequence {
+            file: path.join(SEQUENCE_FILE),
+            message,
+        };
+        let text = text.map_err(|error| match error.is_missing() {
+            true => no_sequence(error.source.to_string()),
+            false => error.into(),
+        })?;
+        let sequence = SequenceRecord::from_text(&text).map_err(no_sequence)?;
+        Ok(FrameFolder::new(path, sequence, false))
+    }
+
+    /// The open folder; an error if it is not there yet.
+    pub(super) fn folder(&self) -> Result<&Folder, FileError> {
+        match self.opened.get() {
+            Some(folder) => Ok(folder),
+            None => {
+                let folder = Folder::open(&self.path)?;
+                Ok(self.opened.get_or_init(|| folder))
+            }
+        }
     }
 
     /// Makes the folder, checks that it can be written, writes `sequence.ron`, and removes what killed processes
-    /// have left.
-    pub fn prepare(&self) -> Result<(), FolderError> {
-        let prepare = || {
-            fs::create_dir_all(&self.folder)?;
-            remove_leftovers(&self.folder, &OWN_FILES)?;
-            let file = self.folder.join(SEQUENCE_FILE);
-            if self.recorded().as_ref() == Some(&self.sequence) {
-                return check_writable(&file);
-            }
-            let text = self.sequence.to_text().map_err(io::Error::other)?;
-            write_atomic(&file, text.as_bytes())
-        };
-        prepare().map_err(|source| FolderError::Unwritable {
-            folder: self.folder.clone(),
-            source,
-        })?;
-        self.prepared_file.get_or_init(|| self.sequence_file());
+    /// have left. Files of others, and finished frames of another sequence, are an error unless `replace` allows to
+    /// write over them.
+    pub fn prepare(&self, replace: bool) -> Result<(), FolderError> {
+        let created = Folder::create(&self.path)?;
+        let folder = self.opened.get_or_init(|| created);
+        if !replace {
+            self.check_unoccupied()?;
+        }
+        folder.remove_leftovers(&OWN_FILES)?;
+        if self.recorded().as_ref() == Some(&self.sequence) {
+            drop(folder.part_file(SEQUENCE_FILE)?);
+        } else {
+            let text = self.sequence.to_text();
+            let text = text.map_err(|error| {
+                FileError::writing(&folder.file(SEQUENCE_FILE), std::io::Error::other(error))
+            })?;
+            folder.write_atomic(SEQUENCE_FILE, text.as_bytes())?;
+        }
+        self.prepared_file
+            .get_or_init(|| folder.identity_of(SEQUENCE_FILE));
         Ok(())
     }
 
-    fn sequence_file(&self) -> Option<FileIdentity> {
-        let file = fs::metadata(self.folder.join(SEQUENCE_FILE)).ok()?;
-        Some((file.ino(), file.modified().ok()?))
-    }
-
     /// Whether `sequence.ron` was replaced since `prepare`, by one of other frames.
-    fn sequence_was_replaced(&self) -> bool {
+    fn sequence_was_replaced(&self, folder: &Folder) -> bool {
         let prepared = self.prepared_file.get();
-        prepared.is_some_and(|file| *file != self.sequence_file()) && self.has_another_sequence()
+        prepared.is_some_and(|file| *file != folder.identity_of(SEQUENCE_FILE))
+            && self.has_another_sequence()
     }
 
     /// Whether `sequence.ron` is of the frames of this sequence, from the same builds.
@@ -159,23 +179,32 @@ impl FrameFolder {
         there.is_some_and(|there| !there.has_the_frames_of(&self.sequence))
     }
 
+    /// Whether there is a `sequence.ron`, of whichever frames.
+    pub(super) fn has_a_sequence(&self) -> bool {
+        self.recorded().is_some()
+    }
+
     fn recorded(&self) -> Option<SequenceRecord> {
-        let text = fs::read_to_string(self.folder.join(SEQUENCE_FILE)).ok()?;
+        let text = self
+            .folder()
+            .ok()?
+            .read_text(SEQUENCE_FILE, MAX_TEXT)
+            .ok()?;
         SequenceRecord::from_text(&text).ok()
     }
 
     /// Writes the table of the frames' cameras beside them, if it is not there.
-    pub fn write_camera_table(&self, table: &str) -> io::Result<()> {
-        let file = self.folder.join(CAMERAS_FILE);
-        match fs::read(&file) {
+    pub fn write_camera_table(&self, table: &str) -> Result<(), FileError> {
+        let folder = self.folder()?;
+        match folder.read(CAMERAS_FILE, MAX_TEXT) {
             Ok(there) if there == table.as_bytes() => Ok(()),
-            _ => write_atomic(&file, table.as_bytes()),
+            _ => folder.write_atomic(CAMERAS_FILE, table.as_bytes()),
         }
     }
 
     /// Where it is.
     pub fn path(&self) -> &Path {
-        &self.folder
+        &self.path
     }
 
     /// The expected frames: format, size, input hashes.
@@ -183,27 +212,51 @@ impl FrameFolder {
         &self.sequence
     }
 
+    /// The file that records the expected frames.
+    pub fn sequence_file(&self) -> PathBuf {
+        self.path.join(SEQUENCE_FILE)
+    }
+
     /// The file of a frame.
     pub fn file_of(&self, frame: u32) -> PathBuf {
-        let extension = self.sequence.format.extension();
-        self.folder.join(format!("frame_{frame:05}.{extension}"))
+        self.path.join(frame_name(frame, self.sequence.format))
     }
 
     /// The file of a frame's error map.
     pub fn map_of(&self, frame: u32) -> PathBuf {
-        self.folder.join(format!("error_{frame:05}.exr"))
+        self.path.join(error_map_name(frame))
+    }
+
+    /// The names of a frame's files.
+    pub(super) fn names_of(&self, frame: u32) -> impl Iterator<Item = String> {
+        let error_map = self.sequence.error_maps.then(|| error_map_name(frame));
+        std::iter::once(frame_name(frame, self.sequence.format)).chain(error_map)
     }
 
     /// The file of the contact sheet.
     pub fn sheet(&self) -> PathBuf {
-        self.folder.join(SHEET_FILE)
+        self.path.join(SHEET_FILE)
+    }
+
+    /// Whether the file of the contact sheet is one that the program drew.
+    pub fn has_its_sheet(&self) -> bool {
+        let folder = self.folder();
+        folder.is_ok_and(|folder| is_table_of_frames(folder, SHEET_FILE))
+    }
+
+    /// Removes the contact sheet: it may show other frames.
+    pub fn remove_sheet(&self) -> Result<(), FileError> {
+        match self.has_its_sheet() {
+            true => self.folder()?.remove(SHEET_FILE),
+            false => Ok(()),
+        }
     }
 
     /// Whether a file has a name that the folder keeps for its own files, other than the contact sheet.
     pub fn is_reserved(&self, file: &Path) -> bool {
         let parent = file.parent().filter(|parent| *parent != Path::new(""));
         let parent = fs::canonicalize(parent.unwrap_or(Path::new(".")));
-        let is_here = parent.is_ok_and(|p| fs::canonicalize(&self.folder).is_ok_and(|f| f == p));
+        let is_here = parent.is_ok_and(|p| fs::canonicalize(&self.path).is_ok_and(|f| f == p));
         let name = file.file_name().unwrap_or_default().to_string_lossy();
         let is_own = OWN_FILES.iter().any(|own| name.starts_with(own));
         is_here && is_own && name != SHEET_FILE
@@ -211,81 +264,143 @@ impl FrameFolder {
 
     /// Verifies that all files of a frame are there, whole, unchanged, and made from the inputs of the sequence.
     pub fn verify(&self, frame: u32) -> Result<FrameRecord, VerifyError> {
-        let (record, _) = self.verified(frame)?;
+        let (image, record, _) = self.verified(frame)?;
+        let mut error_map = None;
         if self.sequence.error_maps {
-            let map = self.verify_file(&self.map_of(frame), frame, FrameFormat::Exr);
-            map.map_err(|error| VerifyError::ErrorMap(Box::new(error)))?;
+            let map = self.verify_file(&error_map_name(frame), frame, FrameFormat::Exr);
+            let (hash, ..) = map.map_err(|error| VerifyError::ErrorMap(Box::new(error)))?;
+            error_map = Some(hash);
         }
+        self.keep_proof(frame, FrameProof { image, error_map });
         Ok(record)
     }
 
-    /// The record and the pixels of a frame, verified; its error map is not looked at.
-    pub(super) fn verified(&self, frame: u32) -> Result<(FrameRecord, EncodedPixels), VerifyError> {
-        self.verify_file(&self.file_of(frame), frame, self.sequence.format)
+    /// The hash of a frame's file, its record and its pixels, verified; its error map is not looked at.
+    pub(super) fn verified(
+        &self,
+        frame: u32,
+    ) -> Result<(FileHash, FrameRecord, EncodedPixels), VerifyError> {
+        let format = self.sequence.format;
+        self.verify_file(&frame_name(frame, format), frame, format)
     }
 
     fn verify_file(
         &self,
-        file: &Path,
+        name: &str,
         frame: u32,
         format: FrameFormat,
-    ) -> Result<(FrameRecord, EncodedPixels), VerifyError> {
-        let bytes = fs::read(file).map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound => VerifyError::Missing,
-            _ => VerifyError::Unreadable(error),
-        })?;
+    ) -> Result<(FileHash, FrameRecord, EncodedPixels), VerifyError> {
+        let bytes = self.read(name, format)?;
         let expected = Expected {
             frame,
             format,
             sequence: &self.sequence,
         };
-        expected.verify(&bytes)
+        let (record, pixels) = expected.verify(&bytes)?;
+        Ok((FileHash::of(&bytes), record, pixels))
+    }
+
+    /// The bytes of the file of a frame or an error map.
+    fn read(&self, name: &str, format: FrameFormat) -> Result<Vec<u8>, VerifyError> {
+        let folder = self.folder().map_err(VerifyError::unreadable)?;
+        folder
+            .read(name, self.max_file_bytes(format))
+            .map_err(VerifyError::unreadable)
+    }
+
+    fn keep_proof(&self, frame: u32, proof: FrameProof) {
+        self.proofs
+            .lock()
+            .expect("no holder panics")
+            .insert(frame, proof);
+    }
+
+    /// Proves that the files of a frame are, under their names and byte for byte, those that this process has verified
+    /// or stored before; a frame that it has not is verified. So what changed or removed them meanwhile is found.
+    pub fn prove(&self, frame: u32) -> Result<(), VerifyError> {
+        let folder = self.folder().map_err(VerifyError::unreadable)?;
+        folder.check_in_place().map_err(VerifyError::unreadable)?;
+        let proof = self
+            .proofs
+            .lock()
+            .expect("no holder panics")
+            .get(&frame)
+            .copied();
+        let Some(FrameProof { image, error_map }) = proof else {
+            return self.verify(frame).map(drop);
+        };
+        let unchanged =
+            |name: &str, format, hash| match FileHash::of(&self.read(name, format)?) == hash {
+                true => Ok(()),
+                false => Err(VerifyError::Altered),
+            };
+        unchanged(
+            &frame_name(frame, self.sequence.format),
+            self.sequence.format,
+            image,
+        )?;
+        let error_map =
+            error_map.map(|hash| unchanged(&error_map_name(frame), FrameFormat::Exr, hash));
+        error_map
+            .unwrap_or(Ok(()))
+            .map_err(|error| VerifyError::ErrorMap(Box::new(error)))
+    }
+
+    /// The bytes of the files of a frame, and of its error map if the sequence has one.
+    pub fn files(&self, frame: u32) -> Result<EncodedFrame, VerifyError> {
+        let image = self.read(
+            &frame_name(frame, self.sequence.format),
+            self.sequence.format,
+        )?;
+        let error_map = self
+            .sequence
+            .error_maps
+            .then(|| self.read(&error_map_name(frame), FrameFormat::Exr));
+        Ok(EncodedFrame {
+            image,
+            error_map: error_map.transpose()?,
+        })
     }
 
     /// The record in the metadata of a frame's file, not verified; none if there is no such file, or it has no record
     /// or that of another frame.
     pub fn record(&self, frame: u32) -> Option<FrameRecord> {
-        let file = self.file_of(frame);
-        let metadata = self.sequence.format.read_metadata(&file).ok().flatten()?;
+        let format = self.sequence.format;
+        let file = self
+            .folder()
+            .ok()?
+            .open_file(frame_name(frame, format))
+            .ok()?;
+        let metadata = format.read_metadata(file).ok().flatten()?;
         FrameRecord::from_text(&metadata).filter(|record| record.frame == frame)
     }
 
     /// As [`FrameFolder::record`]; none if the record has other inputs or another build. Only the record is read:
     /// [`FrameFolder::verify`] reads the pixels, too.
     pub fn current_record(&self, frame: u32) -> Option<FrameRecord> {
-        self.record(frame).filter(|record| {
-            record.input_hash == self.sequence.input_hashes[frame as usize]
-                && self.sequence.accepts(&record.build)
-        })
+        self.record(frame).filter(|record| self.is_current(record))
     }
 
-    /// The names in the folder that look like frames but are none of the sequence, in order.
-    pub fn strays(&self) -> Result<Vec<String>, FolderError> {
-        let files = (0..self.sequence.frames).map(|frame| self.file_of(frame));
-        let own: HashSet<PathBuf> = files.collect();
-        let strays = || -> io::Result<Vec<String>> {
-            let mut strays = Vec::new();
-            for entry in fs::read_dir(&self.folder)? {
-                let entry = entry?;
-                let name = entry.file_name().to_string_lossy().into_owned();
-                if name.starts_with("frame_") && !own.contains(&entry.path()) {
-                    strays.push(name);
-                }
-            }
-            strays.sort();
-            Ok(strays)
-        };
-        strays().map_err(|source| FolderError::Unreadable {
-            folder: self.folder.clone(),
-            source,
-        })
+    /// Whether a record is of a frame of this sequence.
+    pub(super) fn is_current(&self, record: &FrameRecord) -> bool {
+        self.has_its_inputs(record) && self.sequence.accepts(&record.build)
+    }
+
+    /// Whether a frame was made from the inputs of this sequence, but by a build that is not accepted.
+    pub(super) fn differs_only_by_build(&self, record: &FrameRecord) -> bool {
+        self.has_its_inputs(record) && !self.sequence.accepts(&record.build)
+    }
+
+    fn has_its_inputs(&self, record: &FrameRecord) -> bool {
+        let expected = self.sequence.input_hashes.get(record.frame as usize);
+        expected == Some(&record.input_hash)
     }
 
     /// Brings the names of all files to the disk, where the file system knows how. What is in them was brought there
     /// before they had their names.
     pub fn sync(&self) {
         // A name that is lost is a missing frame: it is found and rendered again.
-        let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
+        let _ = self.folder().map(Folder::sync);
     }
 
     /// The most bytes that a file of this format may take.
@@ -300,38 +415,43 @@ impl FrameSink for FrameFolder {
     type Lock = FrameLock;
 
     fn claim(&self, frame: u32, ignore_lock: bool) -> Result<Claim<FrameLock>, SinkError> {
-        if self.sequence_was_replaced() {
-            let folder = self.folder.display();
+        let name = frame_name(frame, self.sequence.format);
+        let folder = self.folder()?;
+        folder
+            .check_in_place()
+            .map_err(|error| FileError::writing(&folder.file(&name), error.source))?;
+        if self.sequence_was_replaced(folder) {
+            let folder = self.path.display();
             return Err(format!(
                 "{folder}: another process renders another sequence here; use two folders"
             )
             .into());
         }
-        let named = |file: &Path, error| format!("{}: cannot be written: {error}", file.display());
-        // A frame that does not fit on the disk need not be rendered.
-        let with_room =
-            |part: PartFile, format| part.reserve(self.max_file_bytes(format)).map(|()| part);
-        let file = self.file_of(frame);
-        let part = match ignore_lock {
-            true => PartFile::create_unique(&file).map(Some),
-            false => PartFile::claim(&file),
+        let lock = match ignore_lock {
+            true => None,
+            false => match folder.lock(&name)? {
+                None => return Ok(Claim::Busy),
+                lock => lock,
+            },
         };
-        let Some(part) = part.map_err(|error| named(&file, error))? else {
-            return Ok(Claim::Busy);
-        };
-        let image = with_room(part, self.sequence.format).map_err(|error| named(&file, error))?;
         if !self.force && self.verify(frame).is_ok() {
             return Ok(Claim::AlreadyStored);
         }
-        let mut error_map = None;
-        if self.sequence.error_maps {
-            let file = self.map_of(frame);
-            // The lock of the frame covers its map.
-            let part =
-                PartFile::create_unique(&file).and_then(|part| with_room(part, FrameFormat::Exr));
-            error_map = Some(part.map_err(|error| named(&file, error))?);
-        }
-        Ok(Claim::Granted(FrameLock { image, error_map }))
+        // A frame that does not fit on the disk need not be rendered.
+        let with_room = |name: &str, format| {
+            let part = folder.part_file(name)?;
+            part.reserve(self.max_file_bytes(format))?;
+            Ok::<_, FileError>(part)
+        };
+        let error_map = self
+            .sequence
+            .error_maps
+            .then(|| with_room(&error_map_name(frame), FrameFormat::Exr));
+        Ok(Claim::Granted(FrameLock {
+            image: with_room(&name, self.sequence.format)?,
+            error_map: error_map.transpose()?,
+            _lock: lock,
+        }))
     }
 
     fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
@@ -339,23 +459,17 @@ impl FrameSink for FrameFolder {
     }
 
     fn store(&self, frame: u32, lock: FrameLock, encoded: &EncodedFrame) -> Result<(), SinkError> {
-        let store = |file: PathBuf, part: PartFile, bytes: &[u8]| {
-            let written = part.finish(bytes);
-            written.map_err(|error| format!("{}: cannot be written: {error}", file.display()))
-        };
         // The frame comes last: where it is, its map is.
-        match (&encoded.error_map, lock.error_map) {
-            (Some(map), Some(part)) => store(self.map_of(frame), part, map)?,
-            _ => remove(&self.map_of(frame))?,
+        let hash = |bytes: &Vec<u8>| FileHash::of(bytes);
+        if let (Some(map), Some(part)) = (&encoded.error_map, lock.error_map) {
+            part.finish(map)?;
         }
-        Ok(store(self.file_of(frame), lock.image, &encoded.image)?)
-    }
-}
-
-/// Removes a file, if it is there.
-pub(super) fn remove(file: &Path) -> io::Result<()> {
-    match fs::remove_file(file) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
+        lock.image.finish(&encoded.image)?;
+        let proof = FrameProof {
+            image: hash(&encoded.image),
+            error_map: encoded.error_map.as_ref().map(hash),
+        };
+        self.keep_proof(frame, proof);
+        Ok(())
     }
 }

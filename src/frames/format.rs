@@ -5,11 +5,12 @@ use super::{exr, png_file};
 use crate::film::Film;
 #[cfg(any(test, feature = "plots"))]
 use crate::math::color::srgb_to_linear;
-use crate::storage::write_atomic;
+use crate::storage::{FileError, write_atomic};
 #[cfg(any(test, feature = "plots"))]
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::fs::File;
 use std::io;
 use std::path::Path;
 
@@ -109,7 +110,7 @@ impl FrameFormat {
     }
 
     /// The metadata of a file of this format; none if it has none.
-    pub(super) fn read_metadata(self, file: &Path) -> io::Result<Option<String>> {
+    pub(super) fn read_metadata(self, file: File) -> io::Result<Option<String>> {
         match self {
             FrameFormat::Png | FrameFormat::Png16 => png_file::read_metadata(file),
             FrameFormat::Exr => exr::read_metadata(file),
@@ -126,9 +127,13 @@ fn linear_codes(most: u16) -> Vec<f32> {
 
 /// Writes a film as a PNG file of 8 bits for each channel, sRGB, whole or not at all. Radiance of 1 is white; what is
 /// brighter is clipped: see [`Film::expose`].
-pub fn write_png(film: &Film, file: &Path) -> io::Result<()> {
+pub fn write_png(film: &Film, file: &Path) -> Result<(), FileError> {
     let pixels = FrameFormat::Png.encode_pixels(film);
-    write_atomic(file, &FrameFormat::Png.encode(&pixels, "")?)
+    let bytes = FrameFormat::Png.encode(&pixels, "");
+    write_atomic(
+        file,
+        &bytes.map_err(|error| FileError::writing(file, error))?,
+    )
 }
 
 #[cfg(test)]
@@ -188,7 +193,10 @@ mod tests {
             let stored = folder.path().join("frame");
             std::fs::write(&stored, file(format)).expect("written");
             assert_eq!(
-                format.read_metadata(&stored).expect("whole").as_deref(),
+                format
+                    .read_metadata(File::open(&stored).expect("there"))
+                    .expect("whole")
+                    .as_deref(),
                 Some(METADATA)
             );
             let contents = format.decode(&file(format), (3, 2)).expect("whole");

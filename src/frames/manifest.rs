@@ -1,14 +1,12 @@
 //! `manifest.ron`: the records of all frames of a folder, with a table and a chart of their errors.
 
-use super::folder::{FrameFolder, remove};
+use super::file_names::{ERROR_CHART, ERROR_TABLE, ERROR_TABLE_HEADER, MANIFEST_FILE, MAX_TEXT};
+use super::folder::FrameFolder;
 use super::record::FrameRecord;
-use crate::storage::{PartFile, write_atomic};
+use crate::storage::{FileError, Folder, WaitListener};
 use serde::Serialize;
-use std::fs;
 use std::io;
 use std::time::Duration;
-
-const FILE: &str = "manifest.ron";
 
 /// How long to wait for another process that writes the manifest.
 const LOCK_TIMEOUT: Duration = Duration::from_secs(60);
@@ -31,7 +29,10 @@ impl Manifest {
 
     /// Whether the manifest is there and agrees with the frames.
     pub fn is_current(folder: &FrameFolder) -> bool {
-        let there = fs::read_to_string(folder.path().join(FILE)).ok();
+        let there = folder
+            .folder()
+            .and_then(|folder| folder.read_text(MANIFEST_FILE, MAX_TEXT))
+            .ok();
         there.is_some() && there == Manifest::of(folder).to_text().ok()
     }
 
@@ -39,13 +40,15 @@ impl Manifest {
     /// makes of the records, in the order of their frames. Otherwise, or without a text, there are no such files.
     ///
     /// Processes that do so at the same time take turns, each after its own frames: the last one has seen all of them.
+    /// The listener hears of a process that is waited for.
     pub fn update(
         folder: &FrameFolder,
         chart: impl FnOnce(&[FrameRecord]) -> io::Result<Option<String>>,
-    ) -> io::Result<()> {
-        let file = folder.path().join(FILE);
-        let _lock = PartFile::lock_with_timeout(&file, LOCK_TIMEOUT)?;
-        Manifest::of(folder).write(folder, chart)
+        listener: WaitListener,
+    ) -> Result<(), FileError> {
+        let there = folder.folder()?;
+        let _lock = there.lock_with_timeout(MANIFEST_FILE, LOCK_TIMEOUT, listener)?;
+        Manifest::of(folder).write(there, chart)
     }
 
     fn to_text(&self) -> Result<String, ron::Error> {
@@ -57,23 +60,24 @@ impl Manifest {
 
     fn write(
         &self,
-        folder: &FrameFolder,
+        folder: &Folder,
         chart: impl FnOnce(&[FrameRecord]) -> io::Result<Option<String>>,
-    ) -> io::Result<()> {
-        let text = self.to_text().map_err(io::Error::other)?;
-        write_atomic(&folder.path().join(FILE), text.as_bytes())?;
+    ) -> Result<(), FileError> {
+        let text = self.to_text().map_err(io::Error::other);
+        let text = text.map_err(|error| FileError::writing(&folder.file(MANIFEST_FILE), error))?;
+        folder.write_atomic(MANIFEST_FILE, text.as_bytes())?;
         let has_errors = self.frames.iter().any(|record| record.error.is_some());
         let table = has_errors.then(|| self.table());
         let drawn = if has_errors {
-            chart(&self.frames)?
+            let chart = chart(&self.frames);
+            chart.map_err(|error| FileError::writing(&folder.file(ERROR_CHART), error))?
         } else {
             None
         };
-        for (name, text) in [("errors.csv", table), ("errors.svg", drawn)] {
-            let file = folder.path().join(name);
+        for (name, text) in [(ERROR_TABLE, table), (ERROR_CHART, drawn)] {
             match text {
-                Some(text) => write_atomic(&file, text.as_bytes())?,
-                None => remove(&file)?,
+                Some(text) => folder.write_atomic(name, text.as_bytes())?,
+                None => folder.remove(name)?,
             }
         }
         Ok(())
@@ -81,7 +85,7 @@ impl Manifest {
 
     /// The errors as comma-separated values, a row for each frame that has one.
     fn table(&self) -> String {
-        let mut table = "frame,relMSE,low,high\n".to_owned();
+        let mut table = ERROR_TABLE_HEADER.to_owned();
         for record in &self.frames {
             if let Some(error) = record.error {
                 let (y, low, high) = (error.rel_mse, error.low, error.high);

@@ -5,10 +5,13 @@
 mod contact_sheet;
 mod encoded_pixels;
 mod exr;
+mod file_names;
 mod folder;
 mod format;
 mod manifest;
+mod others;
 mod png_file;
+mod proof;
 mod record;
 mod sequence_record;
 #[cfg(test)]
@@ -17,10 +20,11 @@ mod verify;
 
 #[cfg(feature = "plots")]
 pub use contact_sheet::write_contact_sheet;
-pub use exr::{decode as decode_exr, encode as encode_exr, read_metadata as read_exr_metadata};
+pub use exr::{decode_with_metadata as decode_exr, encode as encode_exr};
 pub use folder::{FolderError, FrameFolder, FrameLock};
 pub use format::{FrameFormat, write_png};
 pub use manifest::Manifest;
+pub use others::Stray;
 pub use record::{FrameError, FrameRecord};
 pub use sequence_record::SequenceRecord;
 pub use verify::VerifyError;

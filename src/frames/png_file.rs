@@ -4,7 +4,9 @@ use super::encoded_pixels::{Contents, EncodedPixels, METADATA_KEY};
 use png::{BitDepth, ColorType, DecodeOptions, Decoder, Info, Limits};
 use std::fs::File;
 use std::io::{self, BufReader, Cursor};
-use std::path::Path;
+
+/// The most memory for what is in a file beside pixels: a profile of a few bytes may claim gigabytes.
+const LIMITS: Limits = Limits { bytes: 64 << 20 };
 
 /// The bytes of a file that holds an image, with `metadata`, unless that is empty, in its `flythrough` text chunk.
 pub(super) fn encode(
@@ -36,7 +38,7 @@ pub(super) fn decode(bytes: &[u8], depth: BitDepth, size: (u32, u32)) -> Result<
     options.set_ignore_checksums(false);
     options.set_skip_ancillary_crc_failures(false);
     let mut decoder = Decoder::new_with_options(Cursor::new(bytes), options);
-    decoder.set_limits(Limits { bytes: usize::MAX });
+    decoder.set_limits(LIMITS);
     let mut reader = decoder.read_info().map_err(wrong)?;
     let found = reader.info().size();
     let metadata = metadata_in(reader.info());
@@ -65,8 +67,8 @@ pub(super) fn decode(bytes: &[u8], depth: BitDepth, size: (u32, u32)) -> Result<
 }
 
 /// The `flythrough` text chunk of a file; none if it has none.
-pub(super) fn read_metadata(file: &Path) -> io::Result<Option<String>> {
-    let reader = Decoder::new(BufReader::new(File::open(file)?)).read_info()?;
+pub(super) fn read_metadata(file: File) -> io::Result<Option<String>> {
+    let reader = Decoder::new_with_limits(BufReader::new(file), LIMITS).read_info()?;
     Ok(metadata_in(reader.info()))
 }
 

@@ -95,13 +95,47 @@ impl SequenceRecord {
         })
     }
 
-    pub(super) fn to_text(&self) -> Result<String, ron::Error> {
-        let pretty = ron::ser::PrettyConfig::new().struct_names(true);
-        ron::ser::to_string_pretty(self, pretty)
+    /// What a file's facts say that is not so, as "24 frames per second instead of 25"; empty if `self` is as
+    /// recorded. The inputs of frames are not compared: each frame carries the hash of its own.
+    pub fn contradictions(&self, recorded: &SequenceRecord) -> Vec<String> {
+        let facts = |of: &SequenceRecord| {
+            [
+                format!("{} frames per second", of.fps),
+                format!("{} frames", of.frames),
+                format!("{}x{} pixels", of.width, of.height),
+                format!("{} files", of.format),
+                format!("an exposure of {} stops", of.exposure),
+                (if of.error_maps {
+                    "error maps"
+                } else {
+                    "no error maps"
+                })
+                .to_owned(),
+            ]
+        };
+        let pairs = facts(recorded).into_iter().zip(facts(self));
+        let differing = pairs.filter(|(recorded, now)| recorded != now);
+        differing
+            .map(|(recorded, now)| format!("{recorded} instead of {now}"))
+            .collect()
     }
 
-    /// Reads a file's text; an error if it is no record of a sequence or contradicts itself.
+    /// The text of a file: the record, and a hash of it, so that no edit goes unseen.
+    pub(super) fn to_text(&self) -> Result<String, ron::Error> {
+        let pretty = ron::ser::PrettyConfig::new().struct_names(true);
+        let text = ron::ser::to_string_pretty(self, pretty)?;
+        let hash = blake3::hash(text.as_bytes());
+        Ok(format!("{text}{HASH_COMMENT}{hash}\n"))
+    }
+
+    /// Reads a file's text; an error if it is no record of a sequence, was changed, or contradicts itself.
     pub(super) fn from_text(text: &str) -> Result<SequenceRecord, String> {
+        let (text, hash) = text
+            .rsplit_once(HASH_COMMENT)
+            .ok_or("the hash in its last line is missing")?;
+        if blake3::hash(text.as_bytes()).to_string() != hash.trim_end() {
+            return Err("altered after it was written".to_owned());
+        }
         let sequence: SequenceRecord = ron::from_str(text).map_err(|error| error.to_string())?;
         match sequence.input_hashes.len() as u64 == u64::from(sequence.frames) {
             true => Ok(sequence),
@@ -109,6 +143,9 @@ impl SequenceRecord {
         }
     }
 }
+
+/// What stands between the record and its hash.
+const HASH_COMMENT: &str = "\n// blake3 of the lines above: ";
 
 fn magnitude(mut film: Film) -> Film {
     for pixel in film.pixels_mut() {

@@ -9,7 +9,9 @@ use crate::render::{Claim, ErrorEstimate, FrameSink, RenderedFrame, SinkError};
 use crate::storage::fixtures::names;
 use glam::Vec3;
 use ron::value::RawValue;
+use rustix::fs::{CWD, FileType, Mode, mknodat};
 use std::fs;
+use std::os::unix::fs::symlink;
 
 fn job(scene: &str) -> Box<RawValue> {
     RawValue::from_boxed_ron(format!("Job(scene: {scene:?})").into()).expect("RON")
@@ -58,7 +60,7 @@ fn what_is_stored_is_verified_and_nothing_else_is_left() {
     let root = tempfile::tempdir().expect("a folder");
     let path = root.path().join("deep/er");
     let folder = FrameFolder::new(&path, sequence("a"), false);
-    folder.prepare().expect("new");
+    folder.prepare(false).expect("new");
     assert!(matches!(folder.verify(2), Err(VerifyError::Missing)));
     store(&folder, 2).expect("stored");
     let record = folder.verify(2).expect("whole");
@@ -176,21 +178,25 @@ fn an_error_map_belongs_to_its_frame() {
     assert!(matches!(folder.verify(0), Err(VerifyError::ErrorMap(_))));
     store(&folder, 0).expect("made again");
     folder.verify(0).expect("whole");
-    store(&FrameFolder::new(root.path(), sequence("a"), true), 0).expect("stored");
-    assert_eq!(names(root.path()), ["frame_00000.png"]);
+    let without = FrameFolder::new(root.path(), sequence("a"), true);
+    store(&without, 0).expect("stored");
+    assert_eq!(
+        without.clean().expect("can be removed"),
+        ["error_00000.exr"]
+    );
 }
 
 #[test]
 fn sequences_are_compared_but_for_the_job() {
     let root = tempfile::tempdir().expect("a folder");
     let folder = FrameFolder::new(root.path(), sequence("a"), false);
-    folder.prepare().expect("new");
+    folder.prepare(false).expect("new");
     let mut same = sequence("a");
     same.job = job("moved/scene.ron");
     assert!(FrameFolder::new(root.path(), same, false).has_its_sequence());
     let other = FrameFolder::new(root.path(), sequence("b"), false);
     assert!(!other.has_its_sequence());
-    other.prepare().expect("written over");
+    other.prepare(false).expect("written over");
     assert!(other.has_its_sequence() && !other.has_another_sequence());
     assert!(!folder.has_its_sequence() && folder.has_another_sequence());
     fs::write(root.path().join("sequence.ron"), "Sequence(").expect("written");
@@ -214,38 +220,203 @@ fn frames_of_other_builds_are_accepted_knowingly() {
     assert!(error.contains("--accept-build older"), "{error}");
     assert!(folder.current_record(0).is_none());
     assert!(matches!(folder.claim(0, false), Ok(Claim::Granted(_))));
-    folder.prepare().expect("new");
+    folder.prepare(false).expect("new");
     let accepting = SequenceRecord {
         accepted_builds: vec!["oldest".to_owned(), "older".to_owned()],
         ..sequence("a")
     };
     let folder = FrameFolder::new(root.path(), accepting.clone(), false);
     assert!(!folder.has_its_sequence() && !folder.has_another_sequence());
-    folder.prepare().expect("written");
+    folder.prepare(false).expect("written");
     folder.verify(0).expect("accepted");
     let opened = FrameFolder::open(root.path()).expect("there");
     assert_eq!(opened.sequence(), &accepting);
     assert!(opened.current_record(0).is_some() && opened.verify(0).is_ok());
 }
 
+/// Frames of another format or beyond the last one, error maps of frames that have none; and what only looks like them.
 #[test]
-fn strays_look_like_frames() {
+fn strays_are_named_and_only_own_ones_removed() {
     let root = tempfile::tempdir().expect("a folder");
+    let longer = SequenceRecord {
+        frames: 4,
+        format: FrameFormat::Exr,
+        error_maps: true,
+        input_hashes: vec!["a".to_owned(); 4],
+        ..sequence("a")
+    };
+    store(&FrameFolder::new(root.path(), longer, false), 3).expect("stored");
     let folder = FrameFolder::new(root.path(), sequence("a"), false);
     store(&folder, 0).expect("stored");
-    for name in [
-        "frame_00003.png",
-        "frame_1.png",
-        "frame_00001.exr",
-        "notes.txt",
-    ] {
+    for name in ["frame_00003.png", "frame_1.png", "notes.txt"] {
         fs::write(root.path().join(name), "x").expect("written");
     }
-    let strays = folder.strays().expect("can be read");
-    assert_eq!(
-        strays,
-        ["frame_00001.exr", "frame_00003.png", "frame_1.png"]
+    let strays = |folder: &FrameFolder| -> Vec<(String, bool)> {
+        let strays = folder.strays().expect("can be read").into_iter();
+        strays.map(|stray| (stray.name, stray.is_own)).collect()
+    };
+    let stray = |name: &str, is_own| (name.to_owned(), is_own);
+    let own = [
+        stray("error_00003.exr", true),
+        stray("frame_00003.exr", true),
+    ];
+    let foreign = [stray("frame_00003.png", false), stray("frame_1.png", false)];
+    assert_eq!(strays(&folder), [own.clone(), foreign.clone()].concat());
+    let removed = folder.clean().expect("can be removed");
+    assert_eq!(removed, own.map(|(name, _)| name));
+    assert_eq!(strays(&folder), foreign);
+}
+
+/// What is there of others is refused, unless the user allows to write over it; the own is repaired.
+#[test]
+fn nothing_of_others_is_taken_over_unasked() {
+    let root = tempfile::tempdir().expect("a folder");
+    let prepare = |hash: &str, replace| {
+        let prepared = FrameFolder::new(root.path(), sequence(hash), false).prepare(replace);
+        prepared.map_err(|error| error.to_string())
+    };
+    let write = |name: &str| fs::write(root.path().join(name), "precious").expect("written");
+    for name in [
+        "frame_00001.png",
+        "frame_x",
+        "error_00000.exr",
+        "errors.csv",
+        "cameras.jsonl",
+        "sheet.png",
+    ] {
+        write(name);
+        let refused = prepare("a", false).expect_err(name);
+        assert!(
+            refused.contains(name) && refused.contains("--replace"),
+            "{refused}"
+        );
+        assert_eq!(names(root.path()), [name]);
+        prepare("a", true).expect("allowed");
+        for name in names(root.path()) {
+            fs::remove_file(root.path().join(name)).expect("there");
+        }
+    }
+    // Estimates and caches are made before frames.
+    write("estimate.ron");
+    prepare("a", false).expect("free");
+    let of = |hash: &str| FrameFolder::new(root.path(), sequence(hash), false);
+    store(&of("a"), 0).expect("stored");
+    write("frame_00001.png");
+    prepare("a", false).expect("its own, damaged");
+    let refused = prepare("b", false).expect_err("another sequence");
+    assert!(
+        refused.contains("1 finished frames of another sequence"),
+        "{refused}"
     );
+    // A lost or damaged record of the sequence is made again where there are frames of it.
+    for damage in ["", "Sequence("] {
+        fs::write(root.path().join("sequence.ron"), damage).expect("written");
+        prepare("b", false).expect_err("another sequence");
+        prepare("a", false).expect("its own");
+    }
+    prepare("b", true).expect("allowed");
+    prepare("b", false).expect("was allowed");
+    of("a").verify(0).expect("still there");
+}
+
+/// What changes or removes files after they were stored or verified is found.
+#[test]
+fn proofs_see_what_happened_since() {
+    let root = tempfile::tempdir().expect("a folder");
+    let path = root.path().join("frames");
+    let with_maps = SequenceRecord {
+        error_maps: true,
+        ..sequence("a")
+    };
+    let folder = FrameFolder::new(&path, with_maps.clone(), false);
+    folder.prepare(false).expect("new");
+    store(&folder, 0).expect("stored");
+    store(&folder, 1).expect("stored");
+    let another = FrameFolder::new(&path, with_maps, false);
+    another.verify(1).expect("whole");
+    for folder in [&folder, &another] {
+        folder.prove(0).expect("whole");
+        folder.prove(1).expect("whole");
+        assert!(matches!(folder.prove(2), Err(VerifyError::Missing)));
+        for file in [folder.file_of(1), folder.map_of(1)] {
+            let whole = fs::read(&file).expect("there");
+            // Whole, but another file than the one that was written.
+            let other = fs::read(if file == folder.map_of(1) {
+                folder.map_of(0)
+            } else {
+                folder.file_of(0)
+            });
+            fs::write(&file, other.expect("there")).expect("written");
+            let altered = folder.prove(1).expect_err("altered").to_string();
+            assert!(
+                altered.ends_with("altered after it was written"),
+                "{altered}"
+            );
+            fs::remove_file(&file).expect("there");
+            let missing = folder.prove(1).expect_err("missing").to_string();
+            assert!(missing.ends_with("missing"), "{missing}");
+            fs::write(&file, whole).expect("written");
+        }
+        folder.prove(1).expect("as it was");
+    }
+    fs::rename(&path, root.path().join("moved")).expect("moved");
+    assert!(folder.prove(0).is_err() && another.prove(1).is_err());
+}
+
+#[test]
+fn edits_of_the_record_are_seen() {
+    let root = tempfile::tempdir().expect("a folder");
+    let folder = FrameFolder::new(root.path(), sequence("a"), false);
+    folder.prepare(false).expect("new");
+    let file = root.path().join("sequence.ron");
+    let text = fs::read_to_string(&file).expect("there");
+    let slower = text.replace("fps: 25.0", "fps: 12.5");
+    assert_ne!(text, slower);
+    for edited in [
+        &slower,
+        &text[..text.len() - 9],
+        &text.replace("blake3", "hash"),
+    ] {
+        fs::write(&file, edited).expect("written");
+        assert!(FrameFolder::open(root.path()).is_err(), "{edited}");
+    }
+    let other = SequenceRecord {
+        fps: 12.5,
+        format: FrameFormat::Exr,
+        ..sequence("b")
+    };
+    let contradictions = sequence("a").contradictions(&other);
+    let expected = [
+        "12.5 frames per second instead of 25",
+        "exr files instead of png files",
+    ];
+    assert_eq!(contradictions, expected);
+}
+
+/// Links, pipes and devices under the names of frames are read neither for ever nor elsewhere, and nothing is written
+/// through them.
+#[test]
+fn planted_files_are_replaced_and_not_followed() {
+    let root = tempfile::tempdir().expect("a folder");
+    let folder = FrameFolder::new(root.path(), sequence("a"), false);
+    folder.prepare(false).expect("new");
+    let precious = root.path().join("precious");
+    fs::write(&precious, "data").expect("written");
+    for target in ["precious", "/dev/zero", "nowhere"] {
+        symlink(target, folder.file_of(0)).expect("linked");
+        assert!(folder.verify(0).is_err() && folder.record(0).is_none());
+        store(&folder, 0).expect("stored");
+        folder.verify(0).expect("whole");
+        fs::remove_file(folder.file_of(0)).expect("there");
+    }
+    assert_eq!(fs::read(&precious).expect("there"), b"data");
+    mknodat(CWD, folder.file_of(0), FileType::Fifo, Mode::RUSR, 0).expect("made");
+    assert!(folder.verify(0).is_err() && folder.record(0).is_none());
+    store(&folder, 0).expect("stored");
+    folder.verify(0).expect("whole");
+    fs::write(folder.file_of(1), vec![0; 1 << 20]).expect("written");
+    let long = folder.verify(1).expect_err("too long").to_string();
+    assert!(long.contains("more than the"), "{long}");
 }
 
 #[test]

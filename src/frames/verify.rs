@@ -4,6 +4,7 @@ use super::encoded_pixels::{Contents, EncodedPixels};
 use super::format::FrameFormat;
 use super::record::FrameRecord;
 use super::sequence_record::SequenceRecord;
+use crate::storage::FileError;
 use std::io;
 use thiserror::Error;
 
@@ -40,6 +41,16 @@ pub enum VerifyError {
     /// Its error map is not verified.
     #[error("error map: {0}")]
     ErrorMap(Box<VerifyError>),
+}
+
+impl VerifyError {
+    /// Of a file that cannot be read.
+    pub(super) fn unreadable(error: FileError) -> VerifyError {
+        match error.is_missing() {
+            true => VerifyError::Missing,
+            false => VerifyError::Unreadable(error.source),
+        }
+    }
 }
 
 /// What the file of a frame has to be.

@@ -1,5 +1,6 @@
 //! What can be wrong with an input file.
 
+use crate::storage::FileError;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -8,13 +9,8 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum InputError {
     /// A file could not be read.
-    #[error("{file}: cannot be read: {source}", file = .file.display())]
-    Read {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    Read(#[from] FileError),
     /// A file that another one names could not be read.
     #[error(
         "{file}: {key} names {missing}, which cannot be read: {source}; file names are relative to \

@@ -1,9 +1,11 @@
 //! Reads input files and hashes their contents.
 
 use super::error::InputError;
-use std::fs;
-use std::io;
+use crate::storage::read_input;
 use std::path::{Path, PathBuf};
+
+/// The most bytes of an input file.
+const MAX_BYTES: u64 = 1 << 36;
 
 /// Reads input files and hashes their contents, which identify the inputs of frames.
 #[derive(Debug, Default)]
@@ -15,14 +17,7 @@ pub struct InputFiles {
 impl InputFiles {
     /// The bytes of a file that the user named. An error if it is not a regular file: a device may have no end.
     pub fn read(&mut self, file: &Path) -> Result<Vec<u8>, InputError> {
-        let bytes = match fs::metadata(file) {
-            Ok(is) if !is.is_file() => Err(io::Error::other("it is not a regular file")),
-            _ => fs::read(file),
-        };
-        let bytes = bytes.map_err(|source| InputError::Read {
-            file: file.to_owned(),
-            source,
-        })?;
+        let bytes = read_input(file, MAX_BYTES)?;
         self.hashes.push(blake3::hash(&bytes));
         Ok(bytes)
     }
@@ -35,11 +30,11 @@ impl InputFiles {
         key: &str,
     ) -> Result<Vec<u8>, InputError> {
         self.read(file).map_err(|error| match error {
-            InputError::Read { file, source } => InputError::Reference {
+            InputError::Read(error) => InputError::Reference {
                 file: from.to_owned(),
                 key: key.to_owned(),
-                missing: file,
-                source,
+                missing: error.file,
+                source: error.source,
             },
             other => other,
         })

@@ -4,8 +4,9 @@ use super::error::JobError;
 use super::identity::{BUILD, CacheIdentity, cache_hash};
 use super::inputs::Inputs;
 use super::options::JobOptions;
-use crate::bake::{BakeState, Baked, CacheFile, Listener, bake};
+use crate::bake::{BakeState, Baked, CacheFile, CacheFileError, Listener, bake};
 use crate::render::RenderSettings;
+use crate::storage::PartFile;
 use std::path::{Path, PathBuf};
 
 /// The location of an irradiance cache.
@@ -17,6 +18,15 @@ pub enum CacheLocation {
     Own(PathBuf),
     /// In memory.
     Memory,
+}
+
+/// Whether a cache that cannot be kept in its file is of use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeepCache {
+    /// It is baked to be kept: if it cannot be, nothing is baked.
+    Always,
+    /// Frames use it all the same.
+    IfPossible,
 }
 
 /// An irradiance cache, as far as a file holds it already.
@@ -96,33 +106,48 @@ impl OpenedCache {
         })
     }
 
-    /// Bakes what is missing, and writes the file.
+    /// Bakes what is missing, and writes the file. If that fails and it need not be kept, also returns why.
     pub fn bake(
         self,
         inputs: &Inputs,
         settings: &RenderSettings,
         listener: Listener,
-    ) -> Result<Baked, JobError> {
+        keep: KeepCache,
+    ) -> Result<(Baked, Option<CacheFileError>), JobError> {
         let is_complete = self.is_complete(settings);
         let file = self.file.filter(|_| !is_complete);
-        if let Some(file) = &file {
-            file.check_writable()?;
-        }
+        let mut not_kept = None;
+        let mut tolerate = |begun: Result<Option<PartFile>, CacheFileError>| match (begun, keep) {
+            (Err(error), KeepCache::IfPossible) => {
+                not_kept = Some(error);
+                Ok(None)
+            }
+            (begun, _) => begun,
+        };
+        let mut begun = tolerate(file.as_ref().map(CacheFile::begin).transpose())?;
+        // Gathering the light takes long: there has to be room for it.
+        let reserve = |bytes: u64| {
+            let reserved = begun.take().map(|begun| {
+                begun.reserve(CacheFile::bytes(bytes))?;
+                Ok(begun)
+            });
+            begun = tolerate(reserved.transpose())?;
+            Ok::<(), CacheFileError>(())
+        };
         let (scene, path) = (&inputs.scene.scene, &inputs.path.path);
         let (found, name) = (self.found, &self.path_hash);
-        let work = || bake(scene, path, name, settings, found, listener);
-        let baked = inputs.pool.install(work);
-        if let Some(file) = file {
-            file.write(&baked.state)?;
+        let work = || bake(scene, path, name, settings, found, listener, reserve);
+        let baked = inputs.pool.install(work)?;
+        if let Some((file, begun)) = file.zip(begun) {
+            tolerate(file.finish(begun, &baked.state).map(|()| None))?;
         }
-        Ok(baked)
+        Ok((baked, not_kept))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bake::CacheFileError;
     use crate::integrator::IntegratorSettings;
 
     /// The cache of another build is another cache, and frames that look it up are other frames.
@@ -149,7 +174,9 @@ mod tests {
         assert!(none.found.is_none());
         let state = BakeState::new(&inputs.scene.scene, 2, 0, 0);
         let older = CacheFile::new(&file, cache_hash(&inputs, &settings, "older"));
-        older.write(&state).expect("written");
+        older
+            .finish(older.begin().expect("can be written"), &state)
+            .expect("written");
         assert!(matches!(
             open(&[]),
             Err(JobError::Cache(CacheFileError::OtherInputs { .. }))

@@ -3,6 +3,7 @@
 use crate::bake::CacheFileError;
 use crate::frames::FolderError;
 use crate::input::{InputError, SettingsError};
+use crate::storage::FileError;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -71,13 +72,8 @@ pub enum JobError {
         ours: &'static str,
     },
     /// A file beside the frames cannot be written.
-    #[error("{file}: cannot be written: {source}", file = .file.display())]
-    Unwritable {
-        /// The file.
-        file: PathBuf,
-        /// What the system says.
-        source: io::Error,
-    },
+    #[error(transparent)]
+    File(#[from] FileError),
     /// Threads cannot be started.
     #[error("threads cannot be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

@@ -13,13 +13,11 @@ mod resolved_job;
 mod saved_estimate;
 mod spec;
 
-pub use cache::{CacheLocation, OpenedCache};
+pub use cache::{CacheLocation, KeepCache, OpenedCache};
 pub use error::JobError;
 pub use identity::{BUILD, CacheIdentity};
 pub use inputs::{Inputs, pool};
 pub use options::JobOptions;
 pub use resolved_job::{BakeOutcome, Job, open_folder};
-pub use saved_estimate::{
-    Accuracy, SampleChoice, SavedEstimate, choose_samples_for_budget, make_folder,
-};
+pub use saved_estimate::{Accuracy, SampleChoice, SavedEstimate, choose_samples_for_budget};
 pub use spec::Spec;

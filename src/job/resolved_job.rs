@@ -1,17 +1,18 @@
 //! A job resolved: inputs loaded, settings complete, and what its frames are made from known.
 
-use super::cache::{CacheLocation, OpenedCache};
+use super::cache::{CacheLocation, KeepCache, OpenedCache};
 use super::error::JobError;
 use super::identity::{BUILD, CacheIdentity, SequenceInputs};
 use super::inputs::Inputs;
 use super::options::JobOptions;
 use super::spec::Spec;
-use crate::bake::{Baked, Listener};
+use crate::bake::{Baked, CacheFileError, Listener};
 use crate::forecast::Workload;
 use crate::frames::{FrameFolder, SequenceRecord};
 use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::integrator::IntegratorSettings;
 use crate::render::{FrameSink, Outcome, PixelSampling, RenderObserver, RenderSettings, Renderer};
+use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
 
 /// A job resolved: all that decides the frames of a sequence.
@@ -101,6 +102,11 @@ impl Job {
         &self.inputs
     }
 
+    /// Its threads, for other work than its own.
+    pub fn into_pool(self) -> ThreadPool {
+        self.inputs.pool
+    }
+
     /// The settings of its frames.
     pub fn settings(&self) -> &RenderSettings {
         &self.settings
@@ -123,17 +129,27 @@ impl Job {
         self.spec.settings.samples = None;
     }
 
+    /// Whether frames need an irradiance cache that is not baked yet, not even in a file.
+    pub fn has_to_bake(&self) -> bool {
+        let opened = self.opened_cache.as_ref();
+        opened.is_some_and(|opened| !opened.is_complete(&self.settings))
+    }
+
     /// Bakes the irradiance cache if frames need one and it is not there yet. Returns what came of it, once.
-    pub fn bake(&mut self, listener: Listener) -> Result<Option<BakeOutcome<'_>>, JobError> {
+    pub fn bake(
+        &mut self,
+        listener: Listener,
+        keep: KeepCache,
+    ) -> Result<Option<BakeOutcome<'_>>, JobError> {
         let Some(opened) = self.opened_cache.take() else {
             return Ok(None);
         };
         let was_complete = opened.is_complete(&self.settings);
-        let baked = opened.bake(&self.inputs, &self.settings, listener)?;
-        let baked = self.baked.insert(baked);
+        let (baked, not_kept) = opened.bake(&self.inputs, &self.settings, listener, keep)?;
         Ok(Some(BakeOutcome {
-            baked,
+            baked: self.baked.insert(baked),
             was_complete,
+            not_kept,
         }))
     }
 
@@ -205,6 +221,8 @@ pub struct BakeOutcome<'a> {
     pub baked: &'a Baked,
     /// Whether it was read, with nothing left to bake.
     pub was_complete: bool,
+    /// Why it could not be kept in its file; none if it was, or has none.
+    pub not_kept: Option<CacheFileError>,
 }
 
 /// Opens a folder whose frames are of this build, or of one that is accepted.

@@ -1,12 +1,13 @@
 //! The estimate of a sequence, saved beside its frames, and how far off it was.
 
+use super::cache::KeepCache;
 use super::error::JobError;
 use super::resolved_job::Job;
 use crate::bake::Listener;
 use crate::forecast::{Estimate, Forecast, samples_within};
 use crate::frames::{FrameFolder, SequenceRecord};
 use crate::render::Outcome;
-use crate::storage::{PartFile, write_atomic};
+use crate::storage::{FileError, Folder, WaitListener};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
@@ -23,6 +24,9 @@ pub struct SavedEstimate {
     /// The estimate.
     pub estimate: Estimate,
 }
+
+/// The most bytes that are read of the file.
+const MAX_TEXT: u64 = 1 << 24;
 
 /// Samples of each pixel, chosen for a budget.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -51,19 +55,19 @@ impl SavedEstimate {
     const FILE: &str = "estimate.ron";
 
     /// Bakes the irradiance cache if frames need one, renders a few frames, gives the job the samples that a budget
-    /// allows, and saves the estimate in `out`, a folder that exists.
+    /// allows, and saves the estimate in `out`, a folder.
     pub fn new(
         job: &mut Job,
         budget: Option<Duration>,
-        out: Option<&Path>,
+        out: Option<&Folder>,
         listener: Listener,
     ) -> Result<SavedEstimate, JobError> {
         if budget.is_some() && job.settings().target_error.is_some() {
             return Err(JobError::BudgetWithTargetError);
         }
-        job.bake(listener)?;
+        job.bake(listener, KeepCache::IfPossible)?;
         let memory = resident_memory().map_or(0.0, |[now, _]| now);
-        let folder = out.unwrap_or(Path::new("."));
+        let folder = out.map_or(Path::new("."), Folder::path);
         let sequence = job.sequence(folder)?;
         let (estimate, choice) = match budget {
             // What was chosen before stays: frames are made of it.
@@ -98,16 +102,16 @@ impl SavedEstimate {
         Ok(saved)
     }
 
-    fn write(&self, out: &Path) -> Result<(), JobError> {
-        let file = out.join(SavedEstimate::FILE);
+    fn write(&self, out: &Folder) -> Result<(), FileError> {
         let pretty = ron::ser::PrettyConfig::new().struct_names(true);
         let text = ron::ser::to_string_pretty(self, pretty).map_err(std::io::Error::other);
-        let written = text.and_then(|text| write_atomic(&file, text.as_bytes()));
-        written.map_err(|source| JobError::Unwritable { file, source })
+        let text =
+            text.map_err(|error| FileError::writing(&out.file(SavedEstimate::FILE), error))?;
+        out.write_atomic(SavedEstimate::FILE, text.as_bytes())
     }
 
-    fn read(out: &Path) -> Option<SavedEstimate> {
-        let text = fs::read_to_string(out.join(SavedEstimate::FILE)).ok()?;
+    fn read(out: &Folder) -> Option<SavedEstimate> {
+        let text = out.read_text(SavedEstimate::FILE, MAX_TEXT).ok()?;
         ron::from_str(&text).ok()
     }
 
@@ -122,7 +126,7 @@ impl SavedEstimate {
     ) -> Option<Accuracy> {
         let SavedEstimate {
             inputs, estimate, ..
-        } = SavedEstimate::read(folder.path())?;
+        } = SavedEstimate::read(&Folder::open(folder.path()).ok()?)?;
         let is_whole = outcome.stored as usize == rendered.len() && !rendered.is_empty();
         if inputs != hash(folder.sequence()) || estimate.threads != threads || !is_whole {
             return None;
@@ -136,10 +140,10 @@ impl SavedEstimate {
 }
 
 /// Sets the samples that were chosen for this budget before, and saved in the folder. Returns whether there are any.
-fn reuse_saved_choice(job: &mut Job, budget: Duration, out: &Path) -> Result<bool, JobError> {
+fn reuse_saved_choice(job: &mut Job, budget: Duration, out: &Folder) -> Result<bool, JobError> {
     let unchosen = job.settings().sampling;
     job.set_samples(1);
-    let inputs_of_one_sample = hash(&job.sequence(out)?);
+    let inputs_of_one_sample = hash(&job.sequence(out.path())?);
     let choice = SavedEstimate::read(out).and_then(|saved| saved.choice);
     let choice = choice.filter(|choice| {
         choice.budget == budget.as_secs_f64() && choice.inputs_of_one_sample == inputs_of_one_sample
@@ -152,31 +156,28 @@ fn reuse_saved_choice(job: &mut Job, budget: Duration, out: &Path) -> Result<boo
 }
 
 /// Sets the samples that a budget allows: those that were chosen before, or else as many as it allows now. Returns the
-/// choice, if it was made now.
+/// choice, if it was made now. A choice of before is replaced only if the folder is free for frames or `replace` allows
+/// it. `waiting` hears of another process that chooses and is waited for.
 pub fn choose_samples_for_budget(
     job: &mut Job,
     budget: Duration,
-    out: &Path,
+    out: &Folder,
+    replace: bool,
     listener: Listener,
+    waiting: WaitListener,
 ) -> Result<Option<SampleChoice>, JobError> {
-    make_folder(out)?;
     if reuse_saved_choice(job, budget, out)? {
         return Ok(None);
     }
     // A process that starts at the same time waits for the choice of the first.
-    let _lock = PartFile::lock_with_timeout(&out.join(SavedEstimate::FILE), Duration::MAX)?;
+    let _lock = out.lock_with_timeout(SavedEstimate::FILE, Duration::MAX, waiting)?;
     if reuse_saved_choice(job, budget, out)? {
         return Ok(None);
     }
+    if !replace {
+        FrameFolder::new(out.path(), job.sequence(out.path())?, false).check_unoccupied()?;
+    }
     SavedEstimate::new(job, Some(budget), Some(out), listener).map(|saved| saved.choice)
-}
-
-/// Makes a folder if it is not there.
-pub fn make_folder(folder: &Path) -> Result<(), JobError> {
-    fs::create_dir_all(folder).map_err(|source| JobError::Unwritable {
-        file: folder.to_owned(),
-        source,
-    })
 }
 
 /// A hash of the inputs of all frames.

@@ -61,9 +61,11 @@ impl Renderer<'_> {
         // The drivers wait outside the pool, so that no pool thread can be caught running one frame
         // inside another and hold it back.
         thread::scope(|scope| {
-            for _ in 0..FRAMES_IN_FLIGHT {
-                scope.spawn(|| context.drive());
+            for _ in 1..FRAMES_IN_FLIGHT {
+                // Without it there are only fewer frames in flight.
+                let _ = thread::Builder::new().spawn_scoped(scope, || context.drive());
             }
+            context.drive();
         });
         let mut outcome = context.outcome.into_inner().expect("no holder panics");
         outcome.failures.sort_by_key(|(frame, _)| *frame);

@@ -39,22 +39,17 @@ use progress::Progress;
 use crate::bake::Listener;
 use crate::drawing::chart::Chart;
 use crate::metrics::Reference;
-use crate::storage::{check_writable, write_atomic};
-use std::fs;
+use crate::storage::Folder;
 
 /// Measures everything, on the threads of the current pool, and writes `report.csv`, `report.json`,
 /// `report.md`, `curves` and `flicker` as SVG and PNG, and a strip for each curve.
 pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError> {
     let techniques = techniques();
     let mut progress = Progress::new(work(inputs, &techniques), listener);
-    let write = |name: &str, bytes: &[u8]| {
-        let file = inputs.folder.join(name);
-        write_atomic(&file, bytes).map_err(|source| ReportError::file(&file, source))
-    };
-    let strips = inputs.folder.join("strips");
-    fs::create_dir_all(&strips).map_err(|source| ReportError::file(&strips, source))?;
-    let written_last = inputs.folder.join("report.md");
-    check_writable(&written_last).map_err(|source| ReportError::file(&written_last, source))?;
+    let folder = Folder::create(inputs.folder)?;
+    let strips = Folder::create(&inputs.folder.join("strips"))?;
+    // What is written last can be written.
+    drop(folder.part_file("report.md")?);
 
     let references = reference::references(inputs, &mut progress)?;
     let cache = BakedCache::new(inputs, &mut progress);
@@ -65,7 +60,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         let next = techniques.get(number + 1);
         if next.is_none_or(|next| next.curve != technique.curve) {
             let strip = pictures::strip(inputs, &picture, &references[0].1)?;
-            write(&strip_of(technique.curve), &strip)?;
+            strips.write_atomic(strip_of(technique.curve), &strip)?;
         }
         measurements.push(measured);
     }
@@ -98,12 +93,12 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
         flicker,
     };
     let chart = |name: &str, chart: Chart| -> Result<(), ReportError> {
-        write(&format!("{name}.svg"), chart.to_svg()?.as_bytes())?;
-        write(&format!("{name}.png"), &chart.to_png()?)
+        folder.write_atomic(format!("{name}.svg"), chart.to_svg()?.as_bytes())?;
+        Ok(folder.write_atomic(format!("{name}.png"), &chart.to_png()?)?)
     };
-    write("report.csv", text::csv(&report).as_bytes())?;
-    write("report.json", &text::json(&report)?)?;
-    write("report.md", text::markdown(&report).as_bytes())?;
+    folder.write_atomic("report.csv", text::csv(&report).as_bytes())?;
+    folder.write_atomic("report.json", &text::json(&report)?)?;
+    folder.write_atomic("report.md", text::markdown(&report).as_bytes())?;
     chart("curves", pictures::curves(inputs, &report.measurements))?;
     chart("flicker", pictures::flicker_curve(inputs, &report.flicker))?;
     Ok(report)

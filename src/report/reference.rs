@@ -3,13 +3,12 @@
 use super::error::ReportError;
 use super::inputs::{Inputs, pixels};
 use super::progress::Progress;
-use crate::frames::{decode_exr, encode_exr, read_exr_metadata};
+use crate::frames::{decode_exr, encode_exr};
 use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Settings};
 use crate::metrics::Reference;
 use crate::render::{RenderSettings, Renderer};
-use crate::storage::write_atomic;
+use crate::storage::{FileError, Folder};
 use serde::Serialize;
-use std::fs;
 
 /// The quality of a reference.
 #[derive(Debug, Serialize)]
@@ -21,6 +20,9 @@ pub struct ReferenceRow {
     /// The estimated relMSE of the reference itself.
     pub rel_mse: f64,
 }
+
+/// The most bytes of the file of a reference.
+const MAX_BYTES: u64 = 1 << 32;
 
 /// Far from the seeds of what is measured, so that the noise is independent.
 const SEED: u32 = 1 << 24;
@@ -53,17 +55,14 @@ fn wanted_error(inputs: &Inputs) -> f64 {
 /// rendered once, and kept with a hash of all its inputs.
 fn reference(inputs: &Inputs, frame: u32) -> Result<Reference, ReportError> {
     let settings = settings(inputs);
-    let folder = inputs.folder.join("references");
+    let folder = Folder::create(&inputs.folder.join("references"))?;
     let camera = inputs.path.camera(frame);
     let inputs_of_it = format!("{} {settings:?} {camera:?} {frame}", inputs.fingerprint);
     let fingerprint = blake3::hash(inputs_of_it.as_bytes()).to_string();
-    let files = ["a", "b"].map(|half| folder.join(format!("frame_{frame:05}_{half}.exr")));
+    let files = ["a", "b"].map(|half| format!("frame_{frame:05}_{half}.exr"));
     let cached = files.each_ref().map(|file| {
-        let is_it = read_exr_metadata(file)
-            .is_ok_and(|metadata| metadata.as_deref() == Some(&*fingerprint));
-        is_it
-            .then(|| decode_exr(&fs::read(file).ok()?).ok())
-            .flatten()
+        let (metadata, film) = decode_exr(&folder.read(file, MAX_BYTES).ok()?).ok()?;
+        (metadata.as_deref() == Some(&*fingerprint)).then_some(film)
     });
     if let [Some(a), Some(b)] = cached {
         return Ok(Reference::new(a, b));
@@ -72,9 +71,9 @@ fn reference(inputs: &Inputs, frame: u32) -> Result<Reference, ReportError> {
     let rendered = renderer.render_frame(&camera, frame);
     let half_buffers = rendered.half_buffers();
     for (file, half) in files.iter().zip(&half_buffers) {
-        let kept = fs::create_dir_all(&folder)
-            .and_then(|()| write_atomic(file, &encode_exr(half, &fingerprint)?));
-        kept.map_err(|source| ReportError::file(file, source))?;
+        let bytes = encode_exr(half, &fingerprint);
+        let bytes = bytes.map_err(|error| FileError::writing(&folder.file(file), error))?;
+        folder.write_atomic(file, &bytes)?;
     }
     let [a, b] = half_buffers;
     Ok(Reference::new(a, b))

@@ -1,0 +1,128 @@
+//! Hidden files beside those that they are for: they are locked while a process needs them, and removed after.
+
+use super::error::FileError;
+use super::folder::Folder;
+use super::unfinished;
+use rustix::fs::{OFlags, fstat};
+use std::ffi::{OsStr, OsString};
+use std::fs::{File, TryLockError};
+use std::io;
+
+/// A file `.NAME.SUFFIX`, removed when it is dropped, and when the process ends at a signal
+/// ([`super::remove_unfinished`]).
+///
+/// The system releases its lock when the process ends, however it ends. So an unlocked one is a leftover of a process
+/// that was killed. On a file system without locks, leftovers are not recognised.
+#[derive(Debug)]
+pub(super) struct TemporaryFile {
+    pub(super) file: File,
+    folder: Folder,
+    /// Empty if it is no longer this process's to remove.
+    name: OsString,
+}
+
+/// What came of opening one.
+pub(super) enum Opened {
+    Locked(TemporaryFile),
+    /// The file system supports no locks.
+    Lockless(TemporaryFile),
+    /// Another process holds the lock.
+    Busy,
+    /// The file is no longer the one of this name: it was finished or removed before the lock was held.
+    Gone,
+}
+
+/// The suffix of names of locks.
+pub(super) const LOCK: &str = ".lock";
+
+/// The suffix of names of unfinished files.
+pub(super) const PART: &str = ".part";
+
+/// The name of a temporary file for the file `name`.
+pub(super) fn hidden(name: &OsStr, suffix: &str) -> OsString {
+    let mut hidden = OsString::from(".");
+    hidden.push(name);
+    hidden.push(suffix);
+    hidden
+}
+
+impl TemporaryFile {
+    /// Opens or makes a temporary file, as `flags` say, and locks it. An error if it is not a regular file.
+    pub(super) fn open(folder: &Folder, name: &OsStr, flags: OFlags) -> io::Result<Opened> {
+        let file = unfinished::register(folder, name, || {
+            folder.open_at(name, flags | OFlags::CREATE)
+        })?;
+        let mut temporary = TemporaryFile {
+            file,
+            folder: folder.clone(),
+            name: name.to_owned(),
+        };
+        if !temporary.file.metadata()?.is_file() {
+            temporary.release();
+            return Err(io::Error::other("it is not a regular file"));
+        }
+        match temporary.file.try_lock() {
+            Ok(()) if temporary.has_its_name() => Ok(Opened::Locked(temporary)),
+            Ok(()) => {
+                temporary.release();
+                Ok(Opened::Gone)
+            }
+            Err(TryLockError::WouldBlock) => {
+                temporary.release();
+                Ok(Opened::Busy)
+            }
+            Err(TryLockError::Error(_)) => Ok(Opened::Lockless(temporary)),
+        }
+    }
+
+    fn has_its_name(&self) -> bool {
+        let stat = fstat(&self.file);
+        let identity = self.folder.identity_of(&self.name);
+        stat.is_ok_and(|stat| identity.is_some_and(|of| (of.0, of.1) == (stat.st_dev, stat.st_ino)))
+    }
+
+    /// Leaves the file in place: it belongs to another process.
+    fn release(&mut self) {
+        unfinished::forget(&self.folder, &std::mem::take(&mut self.name), || ());
+    }
+
+    /// Gives it its final name.
+    pub(super) fn rename(mut self, target: &OsStr) -> io::Result<()> {
+        let name = std::mem::take(&mut self.name);
+        let renamed = unfinished::forget(&self.folder, &name, || self.folder.rename(&name, target));
+        if renamed.is_err() {
+            self.name = name;
+        }
+        renamed
+    }
+}
+
+impl Drop for TemporaryFile {
+    fn drop(&mut self) {
+        if !self.name.is_empty() {
+            // If this fails, `remove_leftovers` removes it later.
+            unfinished::forget(&self.folder, &self.name, || {
+                drop(self.folder.remove(&self.name))
+            });
+        }
+    }
+}
+
+/// Removes what killed processes left, of files whose names begin with one of `names`.
+pub(super) fn remove_leftovers(folder: &Folder, names: &[&str]) -> Result<(), FileError> {
+    for name in folder.names()? {
+        let text = name.to_string_lossy();
+        let of = text
+            .strip_prefix('.')
+            .filter(|of| of.ends_with(PART) || of.ends_with(LOCK));
+        let is_own = of.is_some_and(|of| names.iter().any(|name| of.starts_with(name)));
+        // Only the holder of the lock may remove the file.
+        if is_own
+            && folder.has_regular(&name)
+            && let Ok(Opened::Locked(leftover)) = TemporaryFile::open(folder, &name, OFlags::WRONLY)
+        {
+            drop(leftover);
+        }
+    }
+    Ok(())
+}

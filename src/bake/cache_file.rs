@@ -42,7 +42,7 @@ pub enum CacheFileError {
     },
     /// The content does not match its hash.
     #[error(
-        "{file}: the irradiance cache is damaged: cut short or changed; --replace bakes it anew",
+        "{file}: the irradiance cache is damaged: cut short or changed; --force bakes it anew",
         file = .file.display()
     )]
     Damaged {
@@ -52,7 +52,7 @@ pub enum CacheFileError {
     /// The input hash differs.
     #[error(
         "{file}: is the irradiance cache of another scene, other settings or another build; use another \
-         file, or --replace to bake it anew",
+         file, or --force to bake it anew",
         file = .file.display()
     )]
     OtherInputs {
@@ -77,18 +77,17 @@ impl CacheFile {
         Ok(PartFile::of_file(&self.file)?)
     }
 
-    /// Reads the file; none if it does not exist or, with `replace`, if it is anything else than this cache.
-    pub fn read(&self, replace: bool) -> Result<Option<BakeState>, CacheFileError> {
+    /// Reads the file; none if it does not exist or, with `force`, if it is damaged or has another input hash.
+    pub fn read(&self, force: bool) -> Result<Option<BakeState>, CacheFileError> {
         let bytes = match read_input(&self.file, MAX_BYTES) {
             Err(error) if error.is_missing() => return Ok(None),
             read => read?,
         };
         let file = || self.file.clone();
-        let content = bytes
-            .strip_prefix(MAGIC)
-            .ok_or_else(|| CacheFileError::NotACache { file: file() });
-        match content.and_then(|content| self.decode(content)) {
-            Err(_) if replace => Ok(None),
+        let content = bytes.strip_prefix(MAGIC);
+        let content = content.ok_or_else(|| CacheFileError::NotACache { file: file() })?;
+        match self.decode(content) {
+            Err(_) if force => Ok(None),
             read => read.map(Some),
         }
     }

@@ -25,6 +25,7 @@ use crate::render::{ErrorEstimate, PixelSampling, RenderSettings};
 use crate::scene::Scene;
 pub use bake_state::{BakeState, Listener};
 pub use cache_file::{CacheFile, CacheFileError};
+use std::convert::Infallible;
 pub use validation::cache_errors;
 
 /// The baked irradiance cache of a camera path and its error.
@@ -44,12 +45,24 @@ pub struct Baked {
 /// Bakes the irradiance cache for all frames of a path, called `name`, of these settings, on the threads of the
 /// current pool. A given state, of the same scene and settings, is extended by what this path lacks.
 ///
-/// `reserve` hears of the bytes that the state will take in a file as soon as they are known, before any light is
-/// gathered; its error ends the bake.
-///
 /// Of a target error the cache may take up half, or all where camera samples have no error. If it takes up more,
 /// the cache is refined, unless a state is given: that holds the records of other paths, too.
-pub fn bake<E>(
+pub fn bake(
+    scene: &Scene,
+    path: &CameraPath,
+    name: &str,
+    settings: &RenderSettings,
+    given: Option<BakeState>,
+    listener: Listener,
+) -> Baked {
+    let reserve = |_| Ok::<(), Infallible>(());
+    let Ok(baked) = bake_with_room(scene, path, name, settings, given, listener, reserve);
+    baked
+}
+
+/// As [`bake`], but `reserve` hears of the bytes that the state will take in a file as soon as they are known, before
+/// any light is gathered. Its error ends the bake.
+pub fn bake_with_room<E>(
     scene: &Scene,
     path: &CameraPath,
     name: &str,

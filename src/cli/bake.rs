@@ -29,8 +29,11 @@ pub(super) struct BakeArguments {
     settings: SettingsArguments,
     #[command(flatten)]
     threads: ThreadsArgument,
-    /// Write over the file if it is damaged or anything else than a cache for this scene and these settings
-    #[arg(long, alias = "force")]
+    /// Bake anew if the file is damaged or a cache of something else
+    #[arg(long)]
+    force: bool,
+    /// Write over the file whatever it is, unless it is this cache
+    #[arg(long)]
     replace: bool,
     /// No progress bar and no summary
     #[arg(short, long)]
@@ -45,7 +48,8 @@ pub(super) fn run(arguments: &BakeArguments) -> Result<Status, Failure> {
     };
     let options = JobOptions {
         threads: arguments.threads.threads,
-        rebake: arguments.replace,
+        rebake: arguments.force,
+        replace: arguments.replace,
         ..JobOptions::default()
     };
     let mut job = Job::for_bake(spec, &options)?;

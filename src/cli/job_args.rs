@@ -39,6 +39,7 @@ impl JobOptionArguments {
         JobOptions {
             threads: self.threads.threads,
             rebake: false,
+            replace: false,
             accepted_builds: self.accepted_builds.clone(),
         }
     }
@@ -78,10 +79,12 @@ impl JobArguments {
         }
     }
 
-    /// With `rebake`, a shared cache that cannot be used is baked anew.
-    pub(super) fn options(&self, rebake: bool) -> JobOptions {
+    /// With `rebake`, a shared cache that cannot be used is baked anew; with `replace`, anything under its name is
+    /// written over.
+    pub(super) fn options(&self, rebake: bool, replace: bool) -> JobOptions {
         JobOptions {
             rebake,
+            replace,
             ..self.options.options()
         }
     }

@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
     let mut job = Job::new(
         arguments.job.spec(false),
         out,
-        &arguments.job.options(false),
+        &arguments.job.options(false, false),
     )?;
     warn(&job.inputs().scene.warnings);
     let folder = out.map(Folder::create).transpose()?;

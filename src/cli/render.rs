@@ -28,8 +28,8 @@ use std::time::{Duration, Instant};
 ///
 /// Existing frames are verified: each carries a hash of its pixels and of all its inputs. Frames that are whole,
 /// unchanged and made from the same inputs are kept, all others are rendered again. So the same command continues an
-/// interrupted run, and several processes, on one machine or many, may share a folder. Finished frames of another
-/// sequence are not replaced unless --replace allows it.
+/// interrupted run, and several processes, on one machine or many, may share a folder. Finished frames of another scene
+/// or path are not replaced unless --replace allows it.
 ///
 /// Exit status: 0 success, all frames of the request are proven to be there, as they were rendered; 2 wrong input or
 /// usage (trying again cannot help); 3 some frames failed, or files beside them look like frames (it may); 75
@@ -63,7 +63,7 @@ pub(super) struct RenderArguments {
     /// Render frames even if they are there already
     #[arg(long)]
     force: bool,
-    /// Allow to render in place of finished frames of another sequence, and of files that flythrough did not write
+    /// Allow to render in place of finished frames of another scene or path, and of files that flythrough did not write
     #[arg(long)]
     replace: bool,
     /// Remove frames that are none of the sequence, as those of another format or beyond its last frame
@@ -103,7 +103,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         }
     }
     let spec = arguments.job.spec(arguments.preview);
-    let options = arguments.job.options(arguments.force || arguments.replace);
+    let options = arguments.job.options(arguments.force, arguments.replace);
     let mut job = Job::new(spec, Some(&out), &options)?;
     warn(&job.inputs().scene.warnings);
     let count = job.frame_count();
@@ -111,12 +111,19 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         None => (0..count).collect(),
         Some(ranges) => ranges.of_path(count)?,
     };
+    may_replace |= job.is_of_folder(&out);
     if let Some(budget) = arguments.budget {
-        choose_samples(&mut job, budget, &out, arguments)?;
+        choose_samples(&mut job, budget, &out, may_replace, arguments.quiet)?;
     }
     let folder = FrameFolder::new(&out, job.sequence(&out)?, arguments.force);
+    let prepare = |folder: &FrameFolder| {
+        if !may_replace {
+            folder.check_unoccupied()?;
+        }
+        folder.prepare()
+    };
     if arguments.prepare == Some(PrepareArgument::Sequence) {
-        folder.prepare(may_replace)?;
+        prepare(&folder)?;
         return Ok(Status::Done);
     }
     let mut missing = match arguments.force {
@@ -124,7 +131,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         false => (job.inputs().pool).install(|| missing(&folder, &frames, arguments.quiet)),
     };
     if !missing.is_empty() || !folder.has_its_sequence() {
-        folder.prepare(may_replace)?;
+        prepare(&folder)?;
     }
     let strays = strays(&folder, arguments)?;
     warn(&strays);
@@ -206,21 +213,15 @@ fn choose_samples(
     job: &mut Job,
     budget: Duration,
     out: &Path,
-    arguments: &RenderArguments,
+    may_replace: bool,
+    quiet: bool,
 ) -> Result<(), Failure> {
     let out = Folder::create(out)?;
-    let progress = FractionProgress::new(arguments.quiet);
+    let progress = FractionProgress::new(quiet);
     let listener = |done: f64, what: &'static str| progress.at(done, what);
-    let choice = choose_samples_for_budget(
-        job,
-        budget,
-        &out,
-        arguments.replace,
-        &listener,
-        &say_waiting,
-    );
+    let choice = choose_samples_for_budget(job, budget, &out, may_replace, &listener, &say_waiting);
     progress.finish();
-    if let (Some(choice), false) = (choice?, arguments.quiet) {
+    if let (Some(choice), false) = (choice?, quiet) {
         let budget = clock(budget);
         say(format_args!(
             "{} samples of each pixel fit into {budget}",

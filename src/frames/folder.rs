@@ -44,7 +44,7 @@ pub enum FolderError {
         folder = .folder.display(),
         sequence = match .other_build {
             Some(_) => "another build of the program",
-            None => "another sequence (scene, path or settings differ)",
+            None => "another scene or path",
         },
         accept = match .other_build {
             Some(build) => format!(", or --accept-build {build} to keep them"),
@@ -135,14 +135,10 @@ impl FrameFolder {
     }
 
     /// Makes the folder, checks that it can be written, writes `sequence.ron`, and removes what killed processes
-    /// have left. Files of others, and finished frames of another sequence, are an error unless `replace` allows to
-    /// write over them.
-    pub fn prepare(&self, replace: bool) -> Result<(), FolderError> {
+    /// have left. Whatever is there may be written over: see [`FrameFolder::check_unoccupied`].
+    pub fn prepare(&self) -> Result<(), FolderError> {
         let created = Folder::create(&self.path)?;
         let folder = self.opened.get_or_init(|| created);
-        if !replace {
-            self.check_unoccupied()?;
-        }
         folder.remove_leftovers(&OWN_FILES)?;
         if self.recorded().as_ref() == Some(&self.sequence) {
             drop(folder.part_file(SEQUENCE_FILE)?);

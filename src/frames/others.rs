@@ -21,7 +21,10 @@ impl FrameFolder {
     /// Refuses a folder with finished frames of another sequence, or with files of somebody else under the names of its
     /// own. Frames of this sequence that are damaged do not count: they are this program's to repair.
     pub fn check_unoccupied(&self) -> Result<(), FolderError> {
-        let folder = self.folder()?;
+        let folder = match self.folder() {
+            Err(error) if error.is_missing() => return Ok(()),
+            folder => folder?,
+        };
         // Whoever wrote it was allowed to.
         if self.has_its_sequence() {
             return Ok(());
@@ -34,6 +37,7 @@ impl FrameFolder {
             match record(folder, name) {
                 Some(record) if self.is_current(&record) => is_ours = true,
                 Some(record) => others.push((name, record)),
+                None if folder.is_folder(name) => {}
                 None => foreign.push(name),
             }
         }

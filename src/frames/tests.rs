@@ -60,7 +60,7 @@ fn what_is_stored_is_verified_and_nothing_else_is_left() {
     let root = tempfile::tempdir().expect("a folder");
     let path = root.path().join("deep/er");
     let folder = FrameFolder::new(&path, sequence("a"), false);
-    folder.prepare(false).expect("new");
+    folder.prepare().expect("new");
     assert!(matches!(folder.verify(2), Err(VerifyError::Missing)));
     store(&folder, 2).expect("stored");
     let record = folder.verify(2).expect("whole");
@@ -190,13 +190,13 @@ fn an_error_map_belongs_to_its_frame() {
 fn sequences_are_compared_but_for_the_job() {
     let root = tempfile::tempdir().expect("a folder");
     let folder = FrameFolder::new(root.path(), sequence("a"), false);
-    folder.prepare(false).expect("new");
+    folder.prepare().expect("new");
     let mut same = sequence("a");
     same.job = job("moved/scene.ron");
     assert!(FrameFolder::new(root.path(), same, false).has_its_sequence());
     let other = FrameFolder::new(root.path(), sequence("b"), false);
     assert!(!other.has_its_sequence());
-    other.prepare(false).expect("written over");
+    other.prepare().expect("written over");
     assert!(other.has_its_sequence() && !other.has_another_sequence());
     assert!(!folder.has_its_sequence() && folder.has_another_sequence());
     fs::write(root.path().join("sequence.ron"), "Sequence(").expect("written");
@@ -220,14 +220,19 @@ fn frames_of_other_builds_are_accepted_knowingly() {
     assert!(error.contains("--accept-build older"), "{error}");
     assert!(folder.current_record(0).is_none());
     assert!(matches!(folder.claim(0, false), Ok(Claim::Granted(_))));
-    folder.prepare(false).expect("new");
+    let refused = folder.prepare().expect_err("they are finished").to_string();
+    assert!(
+        refused.contains("--accept-build older to keep them"),
+        "{refused}"
+    );
+    folder.prepare().expect("allowed");
     let accepting = SequenceRecord {
         accepted_builds: vec!["oldest".to_owned(), "older".to_owned()],
         ..sequence("a")
     };
     let folder = FrameFolder::new(root.path(), accepting.clone(), false);
     assert!(!folder.has_its_sequence() && !folder.has_another_sequence());
-    folder.prepare(false).expect("written");
+    folder.prepare().expect("written");
     folder.verify(0).expect("accepted");
     let opened = FrameFolder::open(root.path()).expect("there");
     assert_eq!(opened.sequence(), &accepting);
@@ -272,7 +277,13 @@ fn strays_are_named_and_only_own_ones_removed() {
 fn nothing_of_others_is_taken_over_unasked() {
     let root = tempfile::tempdir().expect("a folder");
     let prepare = |hash: &str, replace| {
-        let prepared = FrameFolder::new(root.path(), sequence(hash), false).prepare(replace);
+        let folder = FrameFolder::new(root.path(), sequence(hash), false);
+        let checked = if replace {
+            Ok(())
+        } else {
+            folder.check_unoccupied()
+        };
+        let prepared = checked.and_then(|()| folder.prepare());
         prepared.map_err(|error| error.to_string())
     };
     let write = |name: &str| fs::write(root.path().join(name), "precious").expect("written");
@@ -305,7 +316,7 @@ fn nothing_of_others_is_taken_over_unasked() {
     prepare("a", false).expect("its own, damaged");
     let refused = prepare("b", false).expect_err("another sequence");
     assert!(
-        refused.contains("1 finished frames of another sequence"),
+        refused.contains("finished frames of another scene or path are there, 1 in number"),
         "{refused}"
     );
     // A lost or damaged record of the sequence is made again where there are frames of it.
@@ -329,7 +340,7 @@ fn proofs_see_what_happened_since() {
         ..sequence("a")
     };
     let folder = FrameFolder::new(&path, with_maps.clone(), false);
-    folder.prepare(false).expect("new");
+    folder.prepare().expect("new");
     store(&folder, 0).expect("stored");
     store(&folder, 1).expect("stored");
     let another = FrameFolder::new(&path, with_maps, false);
@@ -367,7 +378,7 @@ fn proofs_see_what_happened_since() {
 fn edits_of_the_record_are_seen() {
     let root = tempfile::tempdir().expect("a folder");
     let folder = FrameFolder::new(root.path(), sequence("a"), false);
-    folder.prepare(false).expect("new");
+    folder.prepare().expect("new");
     let file = root.path().join("sequence.ron");
     let text = fs::read_to_string(&file).expect("there");
     let slower = text.replace("fps: 25.0", "fps: 12.5");
@@ -387,7 +398,7 @@ fn edits_of_the_record_are_seen() {
     };
     let contradictions = sequence("a").contradictions(&other);
     let expected = [
-        "12.5 frames per second instead of 25",
+        "12.5 frames per second instead of 25 frames per second",
         "exr files instead of png files",
     ];
     assert_eq!(contradictions, expected);
@@ -399,7 +410,7 @@ fn edits_of_the_record_are_seen() {
 fn planted_files_are_replaced_and_not_followed() {
     let root = tempfile::tempdir().expect("a folder");
     let folder = FrameFolder::new(root.path(), sequence("a"), false);
-    folder.prepare(false).expect("new");
+    folder.prepare().expect("new");
     let precious = root.path().join("precious");
     fs::write(&precious, "data").expect("written");
     for target in ["precious", "/dev/zero", "nowhere"] {

@@ -4,7 +4,7 @@ use super::error::JobError;
 use super::identity::{BUILD, CacheIdentity, cache_hash};
 use super::inputs::Inputs;
 use super::options::JobOptions;
-use crate::bake::{BakeState, Baked, CacheFile, CacheFileError, Listener, bake};
+use crate::bake::{BakeState, Baked, CacheFile, CacheFileError, Listener, bake_with_room};
 use crate::render::RenderSettings;
 use crate::storage::PartFile;
 use std::path::{Path, PathBuf};
@@ -72,14 +72,12 @@ impl OpenedCache {
             }
         }
         let cache = of_build(file, BUILD);
-        let found = match is_own {
+        let found = match is_own || options.replace {
             // What is of no use is written over.
-            true => {
-                let found = cache.read(true).ok().flatten();
-                found.filter(|found| found.camera_paths() == [path_hash.as_str()])
-            }
+            true => cache.read(true).ok().flatten(),
             false => cache.read(options.rebake)?,
         };
+        let found = found.filter(|found| !is_own || found.camera_paths() == [path_hash.as_str()]);
         Ok(opened(Some(cache), found, BUILD))
     }
 
@@ -136,7 +134,7 @@ impl OpenedCache {
         };
         let (scene, path) = (&inputs.scene.scene, &inputs.path.path);
         let (found, name) = (self.found, &self.path_hash);
-        let work = || bake(scene, path, name, settings, found, listener, reserve);
+        let work = || bake_with_room(scene, path, name, settings, found, listener, reserve);
         let baked = inputs.pool.install(work)?;
         if let Some((file, begun)) = file.zip(begun) {
             tolerate(file.finish(begun, &baked.state).map(|()| None))?;

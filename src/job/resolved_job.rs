@@ -102,6 +102,14 @@ impl Job {
         &self.inputs
     }
 
+    /// Whether a folder is, by its `sequence.ron`, for frames of the same scene and path files, whatever has changed in
+    /// these or in the settings since.
+    pub fn is_of_folder(&self, folder: &Path) -> bool {
+        let recorded = FrameFolder::open(folder).ok();
+        let recorded = recorded.and_then(|there| Spec::of_folder(&there).ok());
+        recorded.is_some_and(|there| there.has_the_files_of(&self.spec))
+    }
+
     /// Its threads, for other work than its own.
     pub fn into_pool(self) -> ThreadPool {
         self.inputs.pool

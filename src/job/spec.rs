@@ -91,6 +91,12 @@ impl Spec {
         RawValue::from_boxed_ron(text.into()).map_err(io::Error::other)
     }
 
+    /// Whether both name the same scene and the same camera path.
+    pub(super) fn has_the_files_of(&self, other: &Spec) -> bool {
+        let is_same = |a: &Path, b: &Path| absolute(a).ok() == absolute(b).ok();
+        is_same(&self.scene, &other.scene) && is_same(&self.path, &other.path)
+    }
+
     fn map_files<E>(self, map: impl Fn(&Path) -> Result<PathBuf, E>) -> Result<Spec, E> {
         Ok(Spec {
             scene: map(&self.scene)?,

@@ -7,7 +7,6 @@ use crate::bake::{Baked, bake};
 use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::render::{RenderSettings, Renderer};
 use serde::Serialize;
-use std::convert::Infallible;
 
 /// Paths that baking traces for each pixel of the sequence, about: measured in `test3` and in `gallery`.
 const PATHS: f64 = 0.1;
@@ -53,16 +52,7 @@ impl BakedCache {
         let settings = inputs.resolve(&settings);
         let (baked, seconds) = Seconds::of(|| {
             progress.part(work(inputs), |listener| {
-                let Ok(baked) = bake(
-                    inputs.scene,
-                    inputs.path,
-                    "path",
-                    &settings,
-                    None,
-                    listener,
-                    |_| Ok::<(), Infallible>(()),
-                );
-                baked
+                bake(inputs.scene, inputs.path, "path", &settings, None, listener)
             })
         });
         let bake = BakeCost {

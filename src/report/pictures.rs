@@ -110,8 +110,5 @@ pub(super) fn strip(
 /// The file of a curve's strip.
 pub(super) fn strip_of(curve: &str) -> String {
     let letter = |c: char| if c.is_alphanumeric() { c } else { '_' };
-    format!(
-        "strips/{}.png",
-        curve.chars().map(letter).collect::<String>()
-    )
+    format!("{}.png", curve.chars().map(letter).collect::<String>())
 }

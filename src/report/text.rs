@@ -159,7 +159,7 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     let mut curves: Vec<&str> = report.measurements.iter().map(|m| m.curve).collect();
     curves.dedup();
     for curve in curves {
-        writeln!(out, "{curve}\n\n![{curve}]({})\n", strip_of(curve))?;
+        writeln!(out, "{curve}\n\n![{curve}](strips/{})\n", strip_of(curve))?;
     }
     Ok(())
 }

@@ -54,8 +54,13 @@ impl FileError {
         }
     }
 
+    /// The kind of the system's error.
+    pub fn kind(&self) -> io::ErrorKind {
+        self.source.kind()
+    }
+
     /// Whether there is no such file.
     pub fn is_missing(&self) -> bool {
-        self.source.kind() == io::ErrorKind::NotFound
+        self.kind() == io::ErrorKind::NotFound
     }
 }

@@ -145,9 +145,18 @@ impl Folder {
     }
 
     /// Whether a regular file has that name.
-    pub(super) fn has_regular(&self, name: &OsStr) -> bool {
-        let stat = statat(&self.fd, name, AtFlags::SYMLINK_NOFOLLOW);
-        stat.is_ok_and(|stat| FileType::from_raw_mode(stat.st_mode) == FileType::RegularFile)
+    pub(super) fn is_regular(&self, name: &OsStr) -> bool {
+        self.file_type(name) == Some(FileType::RegularFile)
+    }
+
+    /// Whether a folder has that name: no file can be written over it.
+    pub(crate) fn is_folder(&self, name: &str) -> bool {
+        self.file_type(name.as_ref()) == Some(FileType::Directory)
+    }
+
+    fn file_type(&self, name: &OsStr) -> Option<FileType> {
+        let stat = statat(&self.fd, name, AtFlags::SYMLINK_NOFOLLOW).ok()?;
+        Some(FileType::from_raw_mode(stat.st_mode))
     }
 
     /// The names in it, in no order.

@@ -118,7 +118,7 @@ pub(super) fn remove_leftovers(folder: &Folder, names: &[&str]) -> Result<(), Fi
         let is_own = of.is_some_and(|of| names.iter().any(|name| of.starts_with(name)));
         // Only the holder of the lock may remove the file.
         if is_own
-            && folder.has_regular(&name)
+            && folder.is_regular(&name)
             && let Ok(Opened::Locked(leftover)) = TemporaryFile::open(folder, &name, OFlags::WRONLY)
         {
             drop(leftover);

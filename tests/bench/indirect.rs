@@ -17,6 +17,7 @@ use flythrough::integrator::IntegratorSettings;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
 use flythrough::render::{PixelSampling, RenderSettings, Renderer};
 use flythrough::sampling::Random;
+use std::convert::Infallible;
 use std::path::Path;
 use std::time::Instant;
 
@@ -59,7 +60,8 @@ fn main() {
     let start = Instant::now();
     let mut state = BakeState::new(&scene, bounces, path_traced.seed, 0);
     let size = (path_traced.width, path_traced.height);
-    state.add_camera_path(&scene, &path, "path", size, &|_, _| ());
+    let room = &mut |_| Ok::<(), Infallible>(());
+    let Ok(()) = state.add_camera_path(&scene, &path, "path", size, &|_, _| (), room);
     let cache = state.irradiance_cache();
     let baked = start.elapsed().as_secs_f64();
     let [primary, secondary] = cache.record_count();

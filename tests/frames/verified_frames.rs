@@ -227,13 +227,19 @@ fn a_prepared_folder_lists_its_missing_frames() {
     project.write_texture(7);
     assert_eq!(project.missing(&[]), "");
     fs::remove_file(project.folder.path().join("s.ron")).unwrap();
-    let output = flythrough(&["verify", project.out().to_str().unwrap()]);
-    assert_eq!(output.status.code(), Some(0));
-    assert!(
-        stderr(&output).contains("changes since are not seen"),
-        "{}",
-        stderr(&output)
-    );
+    let verify = ["verify", project.out().to_str().unwrap()];
+    for unloadable in ["gone", "(("] {
+        let output = flythrough(&verify);
+        assert_eq!(output.status.code(), Some(2), "{unloadable}");
+        let printed = stderr(&output);
+        assert!(
+            printed.contains("s.ron") && printed.contains("--as-recorded"),
+            "{printed}"
+        );
+        let output = flythrough(&[&verify[..], &["--as-recorded"]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        project.write("s.ron", format!("{SCENE}((").as_bytes());
+    }
     project.write("s.ron", SCENE.as_bytes());
     project.render(&["--prepare", "sequence"]);
     assert_eq!(project.missing(&["--format", "openjd"]), "0-8\n");

@@ -171,7 +171,7 @@ fn gaps_short_sequences_and_damaged_frames_are_refused() {
     ];
     let whole = rendered(ROOM);
     for (expected, damage) in cases {
-        let folder = tempfile::tempdir().unwrap();
+        let folder = tempfile::tempdir_in(whole.path()).unwrap();
         for entry in fs::read_dir(whole.path().join("frames")).unwrap() {
             let entry = entry.unwrap();
             fs::copy(entry.path(), folder.path().join(entry.file_name())).unwrap();

@@ -37,7 +37,7 @@
 //!
 //! | layer | modules | never know |
 //! |---|---|---|
-//! | 0 | [`math`], [`sampling`], [`storage`] | anything above |
+//! | 0 | [`math`], [`sampling`], [`memory`], [`storage`] | anything above |
 //! | 1 | [`simd`], [`geometry`], [`texture`], [`film`] | files, threads, the scene |
 //! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`metrics`], [`irradiance_cache`] | each other, files, threads |
 //! | 3 | [`scene`] | how light is gathered, files |
@@ -71,6 +71,7 @@ pub mod job;
 pub mod light;
 pub mod material;
 pub mod math;
+pub mod memory;
 pub mod metrics;
 pub mod preflight;
 pub mod render;

@@ -1,6 +1,6 @@
 //! Arguments that several commands share: inputs, settings, jobs.
 
-use super::values::{AovArgument, FormatArgument, parse_size};
+use super::values::{AovArgument, FormatArgument, parse_size, parse_threads};
 use crate::frames::{FrameFolder, FrameFormat};
 use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::job::{Job, JobError, JobOptions, Spec};
@@ -20,7 +20,7 @@ pub(super) struct InputArguments {
 #[derive(Clone, Copy, Debug, Args)]
 pub(super) struct ThreadsArgument {
     /// Threads to use [default: all cores that the process may use]
-    #[arg(short, long, value_name = "N", env = "SLURM_CPUS_PER_TASK")]
+    #[arg(short, long, value_name = "N", env = "SLURM_CPUS_PER_TASK", value_parser = parse_threads)]
     pub(super) threads: Option<NonZeroUsize>,
 }
 

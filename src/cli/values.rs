@@ -2,6 +2,7 @@
 
 use crate::frames::FrameFormat;
 use clap::ValueEnum;
+use std::num::NonZeroUsize;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -117,6 +118,14 @@ pub(super) fn parse_distance(text: &str) -> Result<f64, String> {
     let metres = text.parse().ok();
     let metres = metres.filter(|metres: &f64| metres.is_finite() && *metres >= 0.0);
     metres.ok_or_else(|| "write a number of metres, as in 0.1".to_owned())
+}
+
+/// A number of threads: more than any machine has are a mistake.
+pub(super) fn parse_threads(text: &str) -> Result<NonZeroUsize, String> {
+    const MOST: usize = 4096;
+    let threads = text.parse().ok();
+    let threads = threads.filter(|threads: &NonZeroUsize| threads.get() <= MOST);
+    threads.ok_or_else(|| format!("write a number from 1 to {MOST}"))
 }
 
 pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {

@@ -220,7 +220,8 @@ fn frames_of_other_builds_are_accepted_knowingly() {
     assert!(error.contains("--accept-build older"), "{error}");
     assert!(folder.current_record(0).is_none());
     assert!(matches!(folder.claim(0, false), Ok(Claim::Granted(_))));
-    let refused = folder.prepare().expect_err("they are finished").to_string();
+    let refused = folder.check_unoccupied().expect_err("they are finished");
+    let refused = refused.to_string();
     assert!(
         refused.contains("--accept-build older to keep them"),
         "{refused}"

@@ -1,5 +1,6 @@
 //! What can be wrong with an input file.
 
+use crate::memory::MemoryError;
 use crate::storage::FileError;
 use std::io;
 use std::path::PathBuf;
@@ -11,6 +12,9 @@ pub enum InputError {
     /// A file could not be read.
     #[error(transparent)]
     Read(#[from] FileError),
+    /// The scene needs more memory than there is.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
     /// A file that another one names could not be read.
     #[error(
         "{file}: {key} names {missing}, which cannot be read: {source}; file names are relative to \

@@ -1,11 +1,9 @@
 //! Reads input files and hashes their contents.
 
 use super::error::InputError;
+use crate::memory::room;
 use crate::storage::read_input;
 use std::path::{Path, PathBuf};
-
-/// The most bytes of an input file.
-const MAX_BYTES: u64 = 1 << 36;
 
 /// Reads input files and hashes their contents, which identify the inputs of frames.
 #[derive(Debug, Default)]
@@ -17,7 +15,8 @@ pub struct InputFiles {
 impl InputFiles {
     /// The bytes of a file that the user named. An error if it is not a regular file: a device may have no end.
     pub fn read(&mut self, file: &Path) -> Result<Vec<u8>, InputError> {
-        let bytes = read_input(file, MAX_BYTES)?;
+        let most = room().map_or(u64::MAX, |room| room.left());
+        let bytes = read_input(file, most)?;
         self.hashes.push(blake3::hash(&bytes));
         Ok(bytes)
     }

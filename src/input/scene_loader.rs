@@ -14,6 +14,7 @@ use super::{ron_file, texture_file};
 use crate::geometry::{Sphere, Transform};
 use crate::light::{Falloff, PointLight};
 use crate::material::Material;
+use crate::memory::check_room;
 use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
@@ -55,6 +56,8 @@ pub fn load_scene(file: &Path, files: &mut InputFiles) -> Result<SceneInput, Inp
         textures: HashMap::new(),
         texture_files: Vec::new(),
         models: HashMap::new(),
+        triangle_count: 0,
+        vertex_count: 0,
         grey: None,
         warnings: Vec::new(),
     };
@@ -109,6 +112,9 @@ struct Loader<'a> {
     texture_files: Vec<PathBuf>,
     /// Models that are loaded, by file and by whether with their own materials.
     models: HashMap<(PathBuf, bool), LoadedModel>,
+    /// Of all models so far, each copy counted.
+    triangle_count: usize,
+    vertex_count: usize,
     /// The material of faces without one, once there are any.
     grey: Option<usize>,
     warnings: Vec<String>,
@@ -312,6 +318,7 @@ impl Loader<'_> {
             None => None,
         };
         let loaded = self.model(key, &object.file, own.is_none())?;
+        self.check_room(key, &loaded.model)?;
         // Copies of materials with the object's own reflectance, by the index of the original.
         let mut mirrors: HashMap<usize, usize> = HashMap::new();
         for part in &loaded.model.parts {
@@ -342,6 +349,31 @@ impl Loader<'_> {
             });
         }
         Ok(())
+    }
+
+    /// Checks that the scene still fits into memory with this model: copies add up.
+    fn check_room(&mut self, key: &str, model: &ObjModel) -> Result<(), InputError> {
+        self.triangle_count += model
+            .parts
+            .iter()
+            .map(|part| part.triangles.len())
+            .sum::<usize>();
+        self.vertex_count += model
+            .parts
+            .iter()
+            .map(|part| part.positions.len())
+            .sum::<usize>();
+        let need = SceneBuilder::memory(self.triangle_count, self.vertex_count);
+        let what = format!(
+            "{}: {key}: a scene of {} triangles",
+            self.file.display(),
+            self.triangle_count
+        );
+        Ok(check_room(
+            &what,
+            need,
+            "use fewer copies or smaller models",
+        )?)
     }
 
     fn model(

@@ -45,6 +45,9 @@ pub struct Settings {
 /// 16,384 x 16,384: about 20 GB of memory in the montecarlo modes.
 const MAX_PIXELS: u32 = 1 << 28;
 
+/// The most paths that splits may make of a camera sample.
+const MAX_PATHS: u64 = 1 << 24;
+
 /// The default columns and rows.
 const SIZE: (u32, u32) = (1280, 720);
 
@@ -136,6 +139,16 @@ impl Settings {
         }
         for &split in self.splits.iter().flatten() {
             within("splits", split, 1, 1 << 20)?;
+        }
+        let paths = self.splits.iter().flatten();
+        let paths = paths.fold(1_u64, |paths, &split| paths.saturating_mul(split.into()));
+        if paths > MAX_PATHS {
+            return Err(SettingsError {
+                key: "splits",
+                message: format!(
+                    "multiply to {paths} paths for each camera sample; up to {MAX_PATHS} are possible"
+                ),
+            });
         }
         if let Some(exposure) = self.exposure
             && (exposure.is_nan() || exposure.abs() > 64.0)

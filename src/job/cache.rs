@@ -5,6 +5,7 @@ use super::identity::{BUILD, CacheIdentity, cache_hash};
 use super::inputs::Inputs;
 use super::options::JobOptions;
 use crate::bake::{BakeState, Baked, CacheFile, CacheFileError, Listener, bake_with_room};
+use crate::memory::check_room;
 use crate::render::RenderSettings;
 use crate::storage::PartFile;
 use std::path::{Path, PathBuf};
@@ -130,7 +131,13 @@ impl OpenedCache {
                 Ok(begun)
             });
             begun = tolerate(reserved.transpose())?;
-            Ok::<(), CacheFileError>(())
+            // Records as they are baked, as frames look them up, and as a file.
+            check_room(
+                "the irradiance cache",
+                4 * bytes,
+                "choose a smaller --size, or --gi path-traced",
+            )?;
+            Ok::<(), JobError>(())
         };
         let (scene, path) = (&inputs.scene.scene, &inputs.path.path);
         let (found, name) = (self.found, &self.path_hash);

@@ -3,6 +3,7 @@
 use crate::bake::CacheFileError;
 use crate::frames::FolderError;
 use crate::input::{InputError, SettingsError};
+use crate::memory::MemoryError;
 use crate::storage::FileError;
 use std::io;
 use std::path::PathBuf;
@@ -74,6 +75,9 @@ pub enum JobError {
     /// A file beside the frames cannot be written.
     #[error(transparent)]
     File(#[from] FileError),
+    /// Something needs more memory than there is.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
     /// Threads cannot be started.
     #[error("threads cannot be started: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),

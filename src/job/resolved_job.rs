@@ -11,7 +11,11 @@ use crate::forecast::Workload;
 use crate::frames::{FrameFolder, SequenceRecord};
 use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::integrator::IntegratorSettings;
-use crate::render::{FrameSink, Outcome, PixelSampling, RenderObserver, RenderSettings, Renderer};
+use crate::memory::check_room;
+use crate::render::{
+    FRAMES_IN_FLIGHT, FrameSink, Outcome, PixelSampling, RenderObserver, RenderSettings, Renderer,
+    frame_memory,
+};
 use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
 
@@ -60,6 +64,13 @@ impl Job {
         let given = adjust(inputs.settings(spec.settings.clone()));
         given.check_together()?;
         let settings = given.resolve(inputs.frame_count());
+        let need = FRAMES_IN_FLIGHT as u64 * frame_memory(&settings)[1];
+        let (width, height) = (settings.width, settings.height);
+        check_room(
+            &format!("frames of {width}x{height}"),
+            need,
+            "choose a smaller --size",
+        )?;
         let opened_cache = open_cache(&spec, folder, &inputs, &settings, options)?;
         if spec.error_maps && !settings.has_noise() {
             let advice = match opened_cache {

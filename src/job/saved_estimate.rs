@@ -6,10 +6,10 @@ use super::resolved_job::Job;
 use crate::bake::Listener;
 use crate::forecast::{Estimate, Forecast, samples_within};
 use crate::frames::{FrameFolder, SequenceRecord};
+use crate::memory::resident;
 use crate::render::Outcome;
 use crate::storage::{FileError, Folder, WaitListener};
 use serde::{Deserialize, Serialize};
-use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
@@ -66,7 +66,7 @@ impl SavedEstimate {
             return Err(JobError::BudgetWithTargetError);
         }
         job.bake(listener, KeepCache::IfPossible)?;
-        let memory = resident_memory().map_or(0.0, |[now, _]| now);
+        let memory = resident().map_or(0.0, |[now, _]| now as f64);
         let folder = out.map_or(Path::new("."), Folder::path);
         let sequence = job.sequence(folder)?;
         let (estimate, choice) = match budget {
@@ -134,7 +134,7 @@ impl SavedEstimate {
         Some(Accuracy {
             seconds: (estimate.seconds(rendered), elapsed.as_secs_f64()),
             bytes: (estimate.bytes(rendered), outcome.bytes as f64),
-            memory: resident_memory().map(|[_, most]| (estimate.memory, most)),
+            memory: resident().map(|[_, most]| (estimate.memory, most as f64)),
         })
     }
 }
@@ -183,15 +183,4 @@ pub fn choose_samples_for_budget(
 /// A hash of the inputs of all frames.
 fn hash(sequence: &SequenceRecord) -> String {
     blake3::hash(sequence.input_hashes.concat().as_bytes()).to_string()
-}
-
-/// Bytes of memory that the process has now, and the most that it had; none where the system does not say.
-fn resident_memory() -> Option<[f64; 2]> {
-    let status = fs::read_to_string("/proc/self/status").ok()?;
-    let kilobytes = |name: &str| {
-        let line = status.lines().find_map(|line| line.strip_prefix(name))?;
-        let number: f64 = line.split_whitespace().next()?.parse().ok()?;
-        Some(1024.0 * number)
-    };
-    Some([kilobytes("VmRSS:")?, kilobytes("VmHWM:")?])
 }

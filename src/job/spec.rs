@@ -76,12 +76,19 @@ impl Spec {
 
     /// The job as `sequence.ron` holds it: files are named from the folder, so that all may be moved together.
     ///
-    /// What of a name is not UTF-8 is replaced: the file has to be named again then, where it is loaded.
+    /// An error if a name is not UTF-8, which RON cannot hold.
     pub fn for_folder(&self, folder: &Path) -> io::Result<Box<RawValue>> {
         let folder = absolute(folder)?;
         let spec = self.clone().map_files(|file| {
             let name = relative(&absolute(file)?, &folder);
-            io::Result::Ok(PathBuf::from(name.to_string_lossy().into_owned()))
+            match name.to_str() {
+                Some(_) => Ok(name),
+                None => Err(io::Error::other(format!(
+                    "{}: is not valid UTF-8, so that sequence.ron cannot name it: rename it, or give its folder \
+                     another name",
+                    name.display()
+                ))),
+            }
         })?;
         let pretty = ron::ser::PrettyConfig::new()
             .struct_names(true)

@@ -31,7 +31,7 @@ pub use frame::{RenderedFrame, frame_memory, tile_count};
 pub use observer::{NoObserver, RenderObserver};
 pub use renderer::Renderer;
 pub use reprojection::{Match, Reprojection, TILE};
-pub use sequence::Outcome;
+pub use sequence::{FRAMES_IN_FLIGHT, Outcome};
 pub use settings::{PixelSampling, RenderSettings};
 pub use sink::{Claim, EncodedFrame, FrameSink};
 pub use sink_error::SinkError;

@@ -14,7 +14,7 @@ use std::thread;
 
 /// Frames that are rendered at once. While one frame's last tiles are finished and its file is written, the
 /// next frame's tiles keep the other threads busy; more would only cost memory.
-const FRAMES_IN_FLIGHT: usize = 2;
+pub const FRAMES_IN_FLIGHT: usize = 2;
 
 /// The result of rendering a sequence.
 #[derive(Debug, Default)]

@@ -48,6 +48,13 @@ pub struct SceneBuilder {
 }
 
 impl SceneBuilder {
+    /// About the most bytes of memory that meshes of so many triangles and vertices take until the scene is built:
+    /// their source, the scene's, and what the construction of the acceleration structure needs for the moment.
+    /// Measured: up to 264 bytes for each triangle with half a vertex.
+    pub fn memory(triangles: usize, vertices: usize) -> u64 {
+        240 * triangles as u64 + 100 * vertices as u64
+    }
+
     /// Builds the scene and its acceleration structure. Also returns how many triangles without area were dropped.
     pub fn build(self) -> (Scene, usize) {
         let origin = self.origin();

@@ -227,7 +227,8 @@ fn a_prepared_folder_lists_its_missing_frames() {
     project.write_texture(7);
     assert_eq!(project.missing(&[]), "");
     fs::remove_file(project.folder.path().join("s.ron")).unwrap();
-    let verify = ["verify", project.out().to_str().unwrap()];
+    let out = project.out();
+    let verify = ["verify", out.to_str().unwrap()];
     for unloadable in ["gone", "(("] {
         let output = flythrough(&verify);
         assert_eq!(output.status.code(), Some(2), "{unloadable}");

@@ -63,9 +63,14 @@ impl Project {
 
     /// Runs a command on the scene, the path and the folder of the frames.
     pub(crate) fn run(&self, command: &str, more: &[&str]) -> Output {
+        self.run_with(command, &self.out(), more)
+    }
+
+    /// Runs a command on the scene, the path and another file or folder.
+    pub(crate) fn run_with(&self, command: &str, out: &Path, more: &[&str]) -> Output {
         let name = |name: &str| self.folder.path().join(name).to_str().unwrap().to_owned();
-        let (scene, path, out) = (name("s.ron"), name("p.ron"), name("out"));
-        flythrough(&[&[command, &scene, &path, "-o", &out], more].concat())
+        let (scene, path, out) = (name("s.ron"), name("p.ron"), out.to_str().unwrap());
+        flythrough(&[&[command, &scene, &path, "-o", out], more].concat())
     }
 
     /// Renders; returns the frames whose files were written.

@@ -91,6 +91,26 @@ pub(super) fn wait_for_file(child: &mut Child, file: &Path) {
     wait_until(child, &file.display().to_string(), || file.is_file());
 }
 
+/// Starts the program with these arguments.
+pub(super) fn start(arguments: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_flythrough"));
+    command.current_dir(root()).args(arguments);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.spawn().unwrap()
+}
+
+/// What a process printed that has to end by itself: one that still runs after a minute hangs.
+pub(super) fn ends(mut child: Child) -> Output {
+    for _ in 0..6000 {
+        if child.try_wait().unwrap().is_some() {
+            return child.wait_with_output().unwrap();
+        }
+        sleep(Duration::from_millis(10));
+    }
+    child.kill().unwrap();
+    panic!("it hangs");
+}
+
 pub(super) fn signal(child: &Child, signal: Signal) {
     kill_process(Pid::from_child(child), signal).unwrap();
 }

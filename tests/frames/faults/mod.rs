@@ -3,5 +3,11 @@
 
 mod batch;
 mod disks;
+mod injected;
 mod memory;
+mod mutations;
+mod others;
+mod planted;
 mod processes;
+mod proof;
+mod signals;

@@ -63,6 +63,14 @@ pub enum InputError {
         /// What is wrong.
         message: String,
     },
+    /// A file that is named as a model is no OBJ file.
+    #[error("{file}: is no OBJ model: {seems}", file = .file.display())]
+    NotObj {
+        /// The file.
+        file: PathBuf,
+        /// What it seems to be, and what to do.
+        seems: String,
+    },
     /// An image cannot be decoded.
     #[error("{file}: cannot be decoded as an image: {source}", file = .file.display())]
     Image {

@@ -10,6 +10,7 @@ pub(crate) mod files;
 mod mtl;
 mod obj;
 mod obj_check;
+mod obj_signature;
 pub(crate) mod ron_file;
 mod scene_file;
 mod scene_loader;

@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 /// A material of an MTL file.
 #[derive(Debug)]
 pub(super) struct ObjMaterial {
+    /// Its name and that of its library, for messages.
+    pub(super) name: String,
     pub(super) diffuse: Vec3,
     pub(super) texture: Option<ObjTexture>,
     pub(super) specular: Vec3,
@@ -146,7 +148,9 @@ fn resolve(library: &Path, material: &tobj::Material, unused: &mut Unused) -> Ob
     if shininess != given {
         unused.add(&format!("`Ns` outside 0 to {MAX_SHININESS} (clamped)"));
     }
+    let file = library.file_name().unwrap_or_default().to_string_lossy();
     ObjMaterial {
+        name: format!("\"{}\" of {file}", material.name),
         diffuse,
         texture: material.diffuse_texture.as_ref().map(|name| ObjTexture {
             file: relative_to(library, name),

@@ -4,6 +4,7 @@ use super::error::InputError;
 use super::files::{InputFiles, relative_to};
 use super::mtl::{Libraries, ObjMaterial};
 use super::obj_check::ObjCheck;
+use super::obj_signature::{ObjStatements, check_bytes};
 use super::statements::{Statements, text};
 use crate::geometry::{fan, triangulate};
 use glam::{DVec2, DVec3, Vec2};
@@ -22,6 +23,8 @@ pub(super) struct ObjModel {
 /// The triangles of one object with one material.
 #[derive(Debug)]
 pub(super) struct ObjPart {
+    /// Of its object or group.
+    pub(super) name: String,
     pub(super) positions: Vec<DVec3>,
     /// Empty, or one for each position; not normalized.
     pub(super) normals: Vec<DVec3>,
@@ -45,9 +48,12 @@ pub(super) fn load(
         ignore_points: true,
         ignore_lines: true,
     };
+    check_bytes(file, bytes)?;
     let text = text(file, bytes)?;
     let mut check = ObjCheck::default();
+    let mut kinds = ObjStatements::default();
     let mut statements = Statements::new(&text, |keyword, rest, out| {
+        kinds.add(keyword);
         check.prepare(keyword, rest, out)
     });
     // tobj ignores a library that cannot be loaded; this keeps the error.
@@ -72,9 +78,10 @@ pub(super) fn load(
         Ok(loaded) => loaded,
         Err(error) => return Err(statements.fault(file, error)),
     };
+    kinds.check(file)?;
     let mut crossed = 0;
     let models = models.into_iter();
-    let parts: Vec<_> = models.map(|m| part(m.mesh, &mut crossed)).collect();
+    let parts: Vec<_> = models.map(|m| part(m, &mut crossed)).collect();
     let mut warnings = libraries.warnings;
     warnings.extend(check.unused.warning(file));
     let mut warn = |message: String| warnings.push(format!("{}: {message}", file.display()));
@@ -103,7 +110,8 @@ pub(super) fn load(
 }
 
 /// Triangulates a mesh. Counts the faces that are cut into fans, as they may be `crossed`: intersect themselves.
-fn part(mesh: tobj::Mesh, crossed: &mut usize) -> ObjPart {
+fn part(model: tobj::Model, crossed: &mut usize) -> ObjPart {
+    let mesh = model.mesh;
     let positions = triples(&mesh.positions);
     let (uvs, _) = mesh.texcoords.as_chunks();
     let mut triangles = Vec::new();
@@ -122,6 +130,7 @@ fn part(mesh: tobj::Mesh, crossed: &mut usize) -> ObjPart {
         rest = others;
     }
     ObjPart {
+        name: model.name,
         normals: triples(&mesh.normals),
         uvs: uvs
             .iter()
@@ -245,15 +254,28 @@ mod tests {
                  object a `material`",
             ]
         );
-        for nothing in [
+        let model = load_text("v 0 0 0\r\nl 1 1\r\n").expect("a line");
+        let last = model.warnings.last().map(String::as_str);
+        assert_eq!(last, Some("x.obj: has no faces, so it is invisible"));
+    }
+
+    #[test]
+    fn what_is_no_obj_file_is_refused() {
+        let noise: String = (0..400)
+            .map(|i| char::from(b'!' + (i * i % 89) as u8))
+            .collect();
+        for text in [
             "",
             "# empty\n",
-            "v 0 0 0\r\nl 1 1\r\n",
-            "solid ascii\nfacet\n",
+            "v 0 0 0\nv 1 0 0\n",
+            "solid ascii\nfacet normal 0 0 1\n",
+            "Scene(\n    objects: [],\n)\n",
+            "It was the best of times,\nit was the worst of times,\n",
+            "newmtl a\nKd 1 1 1\n",
+            &noise,
         ] {
-            let model = load_text(nothing).expect("nothing");
-            let last = model.warnings.last().map(String::as_str);
-            assert_eq!(last, Some("x.obj: has no faces, so it is invisible"));
+            let error = load_text(text).map(|_| ()).expect_err(text).to_string();
+            assert!(error.starts_with("x.obj: is no OBJ model: "), "{error}");
         }
     }
 

@@ -15,7 +15,7 @@ use crate::geometry::{Sphere, Transform};
 use crate::light::{Falloff, PointLight};
 use crate::material::Material;
 use crate::memory::check_room;
-use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
+use crate::scene::{MeshMaterial, MeshName, Scene, SceneBuilder, SceneNames, SourceMesh};
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -30,6 +30,8 @@ pub struct SceneInput {
     pub settings: Settings,
     /// The number of objects in the file.
     pub object_count: usize,
+    /// What its parts are called in its files.
+    pub names: SceneNames,
     /// The files of the scene's textures, in their order.
     pub texture_files: Vec<PathBuf>,
     /// About what files ask for and do not get, and what may be a mistake.
@@ -59,6 +61,7 @@ pub fn load_scene(file: &Path, files: &mut InputFiles) -> Result<SceneInput, Inp
         triangle_count: 0,
         vertex_count: 0,
         grey: None,
+        names: SceneNames::default(),
         warnings: Vec::new(),
     };
     for (name, material) in &parsed.materials {
@@ -71,13 +74,14 @@ pub fn load_scene(file: &Path, files: &mut InputFiles) -> Result<SceneInput, Inp
         let key = format!("objects[{i}]");
         match object {
             ObjectFile::Sphere(sphere) => loader.add_sphere(&key, sphere)?,
-            ObjectFile::Triangle(triangle) => loader.add_triangle(&key, triangle)?,
-            ObjectFile::Model(model) => loader.add_model(&key, model)?,
+            ObjectFile::Triangle(triangle) => loader.add_triangle(&key, i, triangle)?,
+            ObjectFile::Model(model) => loader.add_model(&key, i, model)?,
         }
     }
     let Loader {
         builder,
         texture_files,
+        names,
         mut warnings,
         ..
     } = loader;
@@ -88,17 +92,18 @@ pub fn load_scene(file: &Path, files: &mut InputFiles) -> Result<SceneInput, Inp
             file.display()
         ));
     }
-    if scene.lights.is_empty() {
-        warnings.push(format!("{}: there are no lights", file.display()));
-    }
     Ok(SceneInput {
         scene,
         settings: parsed.settings,
         object_count: parsed.objects.len(),
+        names,
         texture_files,
         warnings,
     })
 }
+
+/// What the parser calls parts without a name.
+const UNNAMED: &str = "unnamed_object";
 
 struct Loader<'a> {
     file: &'a Path,
@@ -117,6 +122,7 @@ struct Loader<'a> {
     vertex_count: usize,
     /// The material of faces without one, once there are any.
     grey: Option<usize>,
+    names: SceneNames,
     warnings: Vec<String>,
 }
 
@@ -151,12 +157,14 @@ impl Loader<'_> {
                 as f32,
             reflective: check.color(&key("reflective"), material.reflective, 1.0)?,
         };
-        let number = self.new_material(material);
+        let number = self.new_material(material, format!("\"{name}\""));
         self.materials.insert(name.to_owned(), number);
         Ok(())
     }
 
-    fn new_material(&mut self, material: Material) -> usize {
+    /// Adds a material that is called `name` in messages.
+    fn new_material(&mut self, material: Material, name: String) -> usize {
+        self.names.materials.push(name);
         self.builder.materials.push(material);
         self.builder.materials.len() - 1
     }
@@ -262,10 +270,16 @@ impl Loader<'_> {
             rotation: transform.rotation(),
         };
         self.builder.spheres.push((sphere, material));
+        self.names.spheres.push(key.to_owned());
         Ok(())
     }
 
-    fn add_triangle(&mut self, key: &str, triangle: &TriangleFile) -> Result<(), InputError> {
+    fn add_triangle(
+        &mut self,
+        key: &str,
+        object: usize,
+        triangle: &TriangleFile,
+    ) -> Result<(), InputError> {
         let (transform, _) =
             self.transform(key, triangle.scale, triangle.rotation, triangle.translation)?;
         let mut positions = Vec::new();
@@ -296,6 +310,8 @@ impl Loader<'_> {
                 return self.check.refuse(key, message);
             }
         };
+        let part = String::new();
+        self.names.meshes.push(MeshName { object, part });
         self.builder.meshes.push(SourceMesh {
             positions,
             normals: Vec::new(),
@@ -306,18 +322,17 @@ impl Loader<'_> {
         Ok(())
     }
 
-    fn add_model(&mut self, key: &str, object: &ModelFile) -> Result<(), InputError> {
-        let (transform, _) =
-            self.transform(key, object.scale, object.rotation, object.translation)?;
-        let reflective = match object.reflective {
+    fn add_model(&mut self, key: &str, object: usize, model: &ModelFile) -> Result<(), InputError> {
+        let (transform, _) = self.transform(key, model.scale, model.rotation, model.translation)?;
+        let reflective = match model.reflective {
             Some(rgb) => Some(self.check.color(&format!("{key}.reflective"), rgb, 1.0)?),
             None => None,
         };
-        let own = match &object.material {
+        let own = match &model.material {
             Some(name) => Some(self.material(&format!("{key}.material"), name)?),
             None => None,
         };
-        let loaded = self.model(key, &object.file, own.is_none())?;
+        let loaded = self.model(key, &model.file, own.is_none())?;
         self.check_room(key, &loaded.model)?;
         // Copies of materials with the object's own reflectance, by the index of the original.
         let mut mirrors: HashMap<usize, usize> = HashMap::new();
@@ -330,10 +345,18 @@ impl Loader<'_> {
             if let Some(reflective) = reflective {
                 material = *mirrors.entry(material).or_insert_with(|| {
                     let copy = self.builder.materials[material].clone();
-                    self.builder.materials.push(Material { reflective, ..copy });
-                    self.builder.materials.len() - 1
+                    let name = self.names.material(material);
+                    self.new_material(Material { reflective, ..copy }, name)
                 });
             }
+            let part_name = match part.name.as_str() {
+                "" | UNNAMED => format!(" ({})", model.file),
+                name => format!(" ({}: {name})", model.file),
+            };
+            self.names.meshes.push(MeshName {
+                object,
+                part: part_name,
+            });
             let positions = part.positions.iter();
             let positions = positions.map(|&p| self.placed(key, &transform, p));
             self.builder.meshes.push(SourceMesh {
@@ -406,11 +429,14 @@ impl Loader<'_> {
                 reflective: material.reflective,
             });
         }
+        let first_material = self.builder.materials.len();
+        let names = model.materials.iter().map(|material| material.name.clone());
+        self.names.materials.extend(names);
+        self.builder.materials.append(&mut resolved);
         let loaded = LoadedModel {
             model: Rc::new(model),
-            first_material: self.builder.materials.len(),
+            first_material,
         };
-        self.builder.materials.append(&mut resolved);
         self.models.insert(id, loaded.clone());
         Ok(loaded)
     }
@@ -419,7 +445,8 @@ impl Loader<'_> {
         if let Some(number) = self.grey {
             return number;
         }
-        let number = self.new_material(Material::lambert(Vec3::splat(0.8)));
+        let grey = Material::lambert(Vec3::splat(0.8));
+        let number = self.new_material(grey, "grey, of faces without one".to_owned());
         self.grey = Some(number);
         number
     }

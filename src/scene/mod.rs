@@ -24,6 +24,8 @@
 
 mod builder;
 mod mesh_material;
+mod names;
+mod primitive;
 mod ray_offset;
 mod resolved;
 mod shadow_packet;
@@ -32,6 +34,7 @@ mod surface_point;
 
 pub use builder::{SceneBuilder, SourceMesh};
 pub use mesh_material::MeshMaterial;
+pub use names::{MeshName, SceneNames};
 pub use resolved::Scene;
 pub use shadow_packet::ShadowPacket;
 pub use surface_interaction::SurfaceInteraction;

@@ -65,6 +65,24 @@ fn models() {
     );
 }
 
+/// What a download that went wrong leaves, and models of other programs.
+#[test]
+fn files_that_are_no_obj_models() {
+    for (bytes, expected) in [
+        (&b"solid a\nfacet normal 0 0 1\n"[..], "an STL file"),
+        (b"<!DOCTYPE html>\n<html>", "a web page"),
+        (b"To whom it may concern:\nno model\n", "hardly any"),
+        (b"\x02\xfe\x13\x07\x91\x00\x1c\x05", "binary data"),
+        (b"", "it is empty"),
+        (b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no faces"),
+    ] {
+        let (status, message) = check(MODEL, &path(KEY), &[("m.obj", bytes)]);
+        assert_eq!(status, Some(2), "{expected}: {message}");
+        assert!(message.contains("m.obj: is no OBJ model: "), "{message}");
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
 #[test]
 fn models_that_are_scaled_too_far() {
     let obj = format!("{TRIANGLE}f 1 2 3\n");
@@ -83,15 +101,16 @@ fn what_is_ignored_or_dropped_is_a_warning() {
     let scene = "Scene(materials: {\"m\": ()}, objects: [
         model(file: \"m.obj\"),
         sphere(radius: 1, material: \"m\", scale: (1, -3, 2)),
-        model(file: \"s.ron\"),
+        model(file: \"l.obj\"),
     ])";
-    let (status, message) = check(scene, &path(KEY), &[("m.obj", &latin1)]);
+    let files: [(&str, &[u8]); 2] = [("m.obj", &latin1), ("l.obj", b"v 0 0 0\nv 1 0 0\nl 1 2\n")];
+    let (status, message) = check(scene, &path(KEY), &files);
     assert_eq!(status, Some(0), "{message}");
     for expected in [
         "m.obj: not used: 1 `f` of fewer than three vertices, 1 `l`, 1 colours of `v`",
         "m.obj: 2 triangles have no material",
         "objects[1] has a non-uniform scale; it stays a sphere, with its radius scaled by the largest factor, 3",
-        "s.ron: has no faces, so it is invisible",
+        "l.obj: has no faces, so it is invisible",
         "1 triangles have no area and are dropped",
         "there are no lights",
     ] {

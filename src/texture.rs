@@ -1,7 +1,7 @@
 //! Image textures: sRGB texels, filtered bilinearly in linear RGB.
 
 use crate::math::color::srgb_to_linear;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::sync::LazyLock;
 
 static LINEAR_OF_CODE: LazyLock<[f32; 256]> =
@@ -45,6 +45,16 @@ impl Texture {
         let top = self.texel(x0, y0).lerp(self.texel(x1, y0), fx);
         let bottom = self.texel(x0, y1).lerp(self.texel(x1, y1), fx);
         top.lerp(bottom, fy)
+    }
+
+    /// The mean of its linear colours.
+    pub fn mean(&self) -> DVec3 {
+        let colors = self
+            .texels
+            .iter()
+            .map(|texel| texel.map(|code| LINEAR_OF_CODE[code as usize]));
+        let sum: DVec3 = colors.map(|color| Vec3::from_array(color).as_dvec3()).sum();
+        sum / self.texels.len() as f64
     }
 
     fn texel(&self, x: usize, y: usize) -> Vec3 {

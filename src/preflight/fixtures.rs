@@ -5,6 +5,7 @@ use crate::camera::{
     Segment,
 };
 use crate::geometry::{self, Sphere};
+use crate::light::{Falloff, PointLight};
 use crate::material::Material;
 use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
 use glam::{DVec3, Vec3};
@@ -71,11 +72,31 @@ pub(super) fn inverted(mut mesh: SourceMesh) -> SourceMesh {
 }
 
 pub(super) fn scene(meshes: Vec<SourceMesh>, spheres: &[(DVec3, f64)]) -> Scene {
+    lit_scene(meshes, spheres, vec![])
+}
+
+/// A white light.
+pub(super) fn lamp(position: DVec3, intensity: f32) -> (DVec3, PointLight) {
+    let light = PointLight {
+        position: Vec3::ZERO,
+        intensity: Vec3::splat(intensity),
+        falloff: Falloff::InverseSquare,
+    };
+    (position, light)
+}
+
+/// Shapes of a grey, the first material, or of the second, which is red; and lights.
+pub(super) fn lit_scene(
+    meshes: Vec<SourceMesh>,
+    spheres: &[(DVec3, f64)],
+    lights: Vec<(DVec3, PointLight)>,
+) -> Scene {
     let spheres = spheres
         .iter()
         .map(|&(center, radius)| (Sphere::new(center, radius), 0));
     let builder = SceneBuilder {
-        materials: vec![Material::lambert(Vec3::ONE)],
+        materials: [Vec3::ONE, Vec3::X].map(Material::lambert).to_vec(),
+        lights,
         meshes,
         spheres: spheres.collect(),
         ..SceneBuilder::default()

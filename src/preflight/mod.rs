@@ -1,26 +1,37 @@
-//! Checks of a camera path through a scene before any frame is rendered: cameras inside objects, jumps of the velocity,
-//! pans that strobe.
+//! Checks of a scene and a camera path before any frame is rendered: lights in closed bodies, surfaces that coincide,
+//! cameras inside objects, jumps of the velocity, pans that strobe.
 //!
-//! Knows nothing of files, terminals or light transport: it looks at the cameras of the frames and at what a few rays
-//! of each frame hit.
+//! Knows nothing of files, terminals or light transport: it looks at shapes, at the cameras of the frames and at what a
+//! few rays of each frame hit.
 
+mod closed_bodies;
 mod contact;
+mod duplicates;
 #[cfg(test)]
 mod fixtures;
 mod frame_runs;
 mod heading;
 mod inside;
+mod lights;
+mod materials;
 mod motion;
+mod nothing;
+mod overlaps;
+mod scene_warning;
+mod sealed_lights;
 mod seam;
 mod steps;
 mod strobing;
+mod timing;
 mod warning;
 
 pub use frame_runs::FrameRuns;
+pub use scene_warning::SceneWarning;
 pub use warning::{PathWarning, WarningKind};
 
 use crate::camera::{CameraPath, FrameCameras};
-use crate::scene::Scene;
+use crate::integrator::IntegratorSettings;
+use crate::scene::{Scene, SceneNames};
 use glam::DVec2;
 
 /// Warnings about a camera path whose frames have `width` x `height` pixels, the worst kinds first. `near` is the
@@ -36,11 +47,31 @@ pub fn preflight(
 ) -> Vec<PathWarning> {
     let frames = FrameCameras::of(path);
     let size = DVec2::new(width.into(), height.into());
-    let mut warnings = contact::find(scene, &frames, near);
+    let mut warnings = timing::find(path);
+    warnings.extend(nothing::find(scene, &frames, size));
+    warnings.extend(contact::find(scene, &frames, near));
     warnings.extend(motion::find(&frames, height));
     warnings.extend(heading::find(&frames, path.orientation_mode()));
     warnings.extend(strobing::find(scene, &frames, size));
     warnings.extend(seam::find(&frames));
+    warnings
+}
+
+/// Warnings about a scene that is rendered along a path: lights, materials, surfaces.
+///
+/// Works on the threads of the current pool; the result does not depend on them.
+pub fn check_scene(
+    scene: &Scene,
+    names: &SceneNames,
+    path: &CameraPath,
+    integrator: &IntegratorSettings,
+) -> Vec<SceneWarning> {
+    let frames = FrameCameras::of(path);
+    let mut warnings = lights::find(scene, integrator);
+    warnings.extend(sealed_lights::find(scene, names, &frames));
+    warnings.extend(materials::find(scene, names));
+    warnings.extend(duplicates::find(scene, names));
+    warnings.extend(overlaps::find(scene, names, &frames));
     warnings
 }
 
@@ -67,14 +98,23 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_scene_gives_no_warnings() {
+    fn of_an_empty_scene_nothing_is_seen() {
         let nothing = scene(vec![], &[]);
         let far = DVec3::splat(1e6);
+        let only_nothing = |path: &CameraPath, frames: u32| {
+            let found = preflight(&nothing, path, 1280, 720, 0.1);
+            assert_eq!(found.len(), 1, "{found:?}");
+            assert!(matches!(found[0].kind, WarningKind::SeesNothing { .. }));
+            assert_eq!(found[0].frames, FrameRuns::of(0..frames));
+        };
         for path in [walk(far, far), walk(far, far + DVec3::X)] {
-            assert_eq!(preflight(&nothing, &path, 1, 1, 0.1), []);
+            only_nothing(&path, 25);
         }
-        let still = path(Interpolation::Linear, &[(0.0, far, DVec3::ZERO)]);
-        assert_eq!(preflight(&nothing, &still, 1280, 720, 0.1), []);
+        only_nothing(&path(Interpolation::Linear, &[(0.0, far, DVec3::ZERO)]), 1);
+        let integrator = IntegratorSettings::Whitted { bounces: 4 };
+        let path = walk(far, far);
+        let found = check_scene(&nothing, &SceneNames::default(), &path, &integrator);
+        assert_eq!(found, []);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! What preflight warns of.
 
 use super::FrameRuns;
+use glam::DVec3;
 use std::fmt;
 use thiserror::Error;
 
@@ -25,6 +26,42 @@ pub enum WarningKind {
         frame: u32,
         /// The distance to the nearest surface, in metres.
         depth: f64,
+    },
+    /// No ray of the camera meets a surface.
+    #[error(
+        "the camera sees nothing of the scene, which is around {}: turn or move it, or check the units and axes",
+        Point(*scene)
+    )]
+    SeesNothing {
+        /// The middle of most of the scene, in world coordinates.
+        scene: DVec3,
+    },
+    /// A path of several keyframes that lasts no more than a frame.
+    #[error(
+        "the path lasts {} s, less than a frame at {} per second, in spite of {keys} keyframes; check `time` and `fps`",
+        Short(*duration), Short(*fps)
+    )]
+    ShorterThanFrame {
+        /// From the first keyframe to the last, in seconds.
+        duration: f64,
+        /// Frames per second.
+        fps: f64,
+        /// How many keyframes there are.
+        keys: usize,
+    },
+    /// Keyframes that are closer than frames, between which the camera leaps.
+    #[error(
+        "keyframes[{key}] and keyframes[{}] are {} s apart, less than a frame ({} s), so the camera leaps; \
+         for a cut, set `interpolation: hold` of the first, else move one",
+        key + 1, Short(*seconds), Short(*frame_seconds)
+    )]
+    KeysWithinFrame {
+        /// The index of the first of the two that are closest.
+        key: usize,
+        /// The time between them.
+        seconds: f64,
+        /// That between frames.
+        frame_seconds: f64,
     },
     /// There is a surface between the camera of each frame and that of the next.
     #[error("the camera crosses a surface on the way to the next frame")]
@@ -159,7 +196,7 @@ impl fmt::Display for PathWarning {
 }
 
 /// Displays a number with two significant digits, or with all up to nine before the point.
-struct Short(f64);
+pub(super) struct Short(pub(super) f64);
 
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -171,6 +208,19 @@ impl fmt::Display for Short {
             _ => 0,
         };
         write!(f, "{:.decimals$}", self.0)
+    }
+}
+
+/// Displays a point, in millimetres or, near 0, to two digits.
+pub(super) struct Point(pub(super) DVec3);
+
+impl fmt::Display for Point {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let [x, y, z] = self.0.to_array().map(|x| match x.abs() < 1e-3 && x != 0.0 {
+            true => format!("{x:.1e}"),
+            false => format!("{}", (x * 1e3).round() / 1e3),
+        });
+        write!(f, "({x}, {y}, {z})")
     }
 }
 

@@ -1,0 +1,76 @@
+//! Lights without intensity, and scenes without light.
+
+use super::SceneWarning;
+use crate::integrator::IntegratorSettings;
+use crate::scene::Scene;
+use glam::Vec3;
+
+pub(super) fn find(scene: &Scene, integrator: &IntegratorSettings) -> Vec<SceneWarning> {
+    let is_dark = |light: usize| scene.lights[light].intensity == Vec3::ZERO;
+    let dark: Vec<usize> = (0..scene.lights.len()).filter(|&i| is_dark(i)).collect();
+    let is_unlit = dark.len() == scene.lights.len();
+    let [has_ambient, has_background] =
+        [scene.ambient, scene.background].map(|color| color != Vec3::ZERO);
+    // Ray tracing looks at the background only straight ahead and in mirrors.
+    let gathers = !matches!(integrator, IntegratorSettings::Whitted { .. });
+    let materials = scene.used_materials().into_iter();
+    let mut materials = materials.map(|id| &scene.materials()[id]);
+    let has_mirrors = materials.any(|material| material.reflective != Vec3::ZERO);
+    let has_shapes = scene.triangle_count() + scene.sphere_count() > 0;
+    let unlit = match (has_ambient, has_background) {
+        _ if !is_unlit || !has_shapes => None,
+        (false, false) => Some(SceneWarning::Black),
+        (false, true) if !gathers && !has_mirrors => Some(SceneWarning::BlackSurfaces),
+        (true, _) if !gathers && !has_mirrors => Some(SceneWarning::AmbientOnly),
+        _ => None,
+    };
+    let dark = (!dark.is_empty()).then_some(SceneWarning::DarkLights { lights: dark });
+    dark.into_iter().chain(unlit).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fixtures::{hall, lamp, lit_scene};
+    use super::*;
+    use glam::DVec3;
+
+    const RAY_TRACED: IntegratorSettings = IntegratorSettings::Whitted { bounces: 4 };
+    const CACHED: IntegratorSettings = IntegratorSettings::Cached { bounces: 4 };
+
+    #[test]
+    fn scenes_without_light_are_black_only_if_nothing_else_shines() {
+        let found = |ambient: f32, background: f32, intensities: &[f32], integrator| {
+            let lights = intensities.iter().map(|&i| lamp(DVec3::Y, i));
+            let mut scene = lit_scene(vec![hall()], &[], lights.collect());
+            scene.ambient = Vec3::splat(ambient);
+            scene.background = Vec3::splat(background);
+            find(&scene, integrator)
+        };
+        let dark = |lights: &[usize]| SceneWarning::DarkLights {
+            lights: lights.to_vec(),
+        };
+        for integrator in [&RAY_TRACED, &CACHED] {
+            assert_eq!(found(0.0, 0.0, &[], integrator), [SceneWarning::Black]);
+            assert_eq!(found(0.0, 0.0, &[1.0], integrator), []);
+            assert_eq!(found(0.0, 0.0, &[1.0, 0.0], integrator), [dark(&[1])]);
+            let both = [dark(&[0, 1]), SceneWarning::Black];
+            assert_eq!(found(0.0, 0.0, &[0.0; 2], integrator), both);
+        }
+        // A sky lights surfaces only where it is gathered, and ambient light is flat only where nothing is.
+        assert_eq!(
+            found(0.0, 1.0, &[], &RAY_TRACED),
+            [SceneWarning::BlackSurfaces]
+        );
+        assert_eq!(found(0.0, 1.0, &[], &CACHED), []);
+        assert_eq!(
+            found(1.0, 0.0, &[], &RAY_TRACED),
+            [SceneWarning::AmbientOnly]
+        );
+        assert_eq!(found(1.0, 0.0, &[], &CACHED), []);
+    }
+
+    #[test]
+    fn a_scene_of_background_alone_needs_no_light() {
+        assert_eq!(find(&lit_scene(vec![], &[], vec![]), &RAY_TRACED), []);
+    }
+}

@@ -1,22 +1,28 @@
-//! `check`: loads a scene and a camera path, and says what is there and what is wrong with the move.
+//! `check`: loads a scene and a camera path, and says what is there and what is likely to be wrong.
 
-use super::job_args::{InputArguments, ThreadsArgument};
+use super::job_args::{InputArguments, SettingsArguments, ThreadsArgument};
 use super::outcome::{Failure, Status, warn};
 use super::values::parse_distance;
-use crate::camera_formats::load_camera_path;
-use crate::input::{InputFiles, load_scene};
-use crate::job::pool;
-use crate::preflight::preflight;
+use crate::job::{Job, JobOptions, Spec};
 use clap::Args;
 use glam::DVec3;
 use std::io::Write;
 
+/// The distance in metres that the camera should keep from surfaces, unless another is given.
+pub(super) const NEAR: f64 = 0.1;
+
 /// Check a scene and a camera path, render nothing
 ///
-/// Loads both, prints a summary, and warns of likely mistakes of the path, with frame numbers: where the camera is
-/// inside a solid object, crosses a surface or is too close to one, where its speed spikes, where its velocity or
-/// angular velocity jumps, where the image moves so fast that it strobes, where look_at makes the picture spin, and
-/// whether a closed path has a seam.
+/// Loads both, prints a summary, and warns of likely mistakes, as `render` does before it starts.
+///
+/// Of the settings: those that make no difference in the mode. Of the scene: no light, lights of intensity 0, lights in
+/// closed bodies that the camera never enters, materials that reflect more light than they get, shapes that are there
+/// twice, and surfaces that overlap in one plane where the camera sees them (z-fighting).
+///
+/// Of the path, with frame numbers: where the camera sees nothing, is inside a solid object, crosses a surface or is
+/// too close to one, where its speed spikes, where its velocity or angular velocity jumps, where the image moves so
+/// fast that it strobes, where look_at makes the picture spin, whether a closed path has a seam, and whether keyframes
+/// are closer than frames.
 ///
 /// Exit status: 0 both can be rendered, whatever the warnings; 2 wrong input or usage.
 #[derive(Debug, Args)]
@@ -24,20 +30,28 @@ pub(super) struct CheckArguments {
     #[command(flatten)]
     input: InputArguments,
     /// The distance in metres that the camera should keep from surfaces
-    #[arg(long, value_name = "METRES", default_value = "0.1", value_parser = parse_distance)]
+    #[arg(long, value_name = "METRES", default_value_t = NEAR, value_parser = parse_distance)]
     near: f64,
+    #[command(flatten)]
+    settings: SettingsArguments,
     #[command(flatten)]
     threads: ThreadsArgument,
 }
 
 pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
-    let mut files = InputFiles::default();
-    let path = load_camera_path(&arguments.input.path, &mut files)?;
-    let input = load_scene(&arguments.input.scene, &mut files)?;
+    let spec = Spec {
+        settings: arguments.settings.settings(),
+        ..Spec::new(&arguments.input.scene, &arguments.input.path)
+    };
+    let options = JobOptions {
+        threads: arguments.threads.threads,
+        ..JobOptions::default()
+    };
+    let job = Job::new(spec, None, &options)?;
+    let (input, path) = (&job.inputs().scene, &job.inputs().path);
     let scene = &input.scene;
-    let settings = path.settings.or(input.settings);
-    settings.check_together()?;
-    let resolved = settings.resolve(1);
+    let settings = job.inputs().settings(job.spec().settings.clone());
+    let (width, height) = (job.settings().width, job.settings().height);
 
     let mut out = std::io::stdout().lock();
     writeln!(out, "scene      {}", arguments.input.scene.display())?;
@@ -78,13 +92,9 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
         rounded(last.position)
     )?;
     writeln!(out, "mode       {}", settings.mode.unwrap_or_default())?;
-    writeln!(out, "size       {}x{}", resolved.width, resolved.height)?;
-    let (width, height) = (resolved.width, resolved.height);
-    let pool = pool(arguments.threads.threads)?;
-    let near = arguments.near;
-    let of_path = pool.install(|| preflight(scene, &path.path, width, height, near));
-    let of_path = of_path.iter().map(|warning| warning.to_string());
-    let warnings: Vec<String> = input.warnings.iter().cloned().chain(of_path).collect();
+    writeln!(out, "size       {width}x{height}")?;
+    let all: Vec<u32> = (0..frames).collect();
+    let warnings = job.warnings(arguments.near, &all);
     warn(&warnings);
     writeln!(out, "warnings   {}", warnings.len())?;
     Ok(Status::Done)

@@ -1,6 +1,7 @@
 //! `render`: the frames of a camera path.
 
 use super::bake::bake;
+use super::check::NEAR;
 use super::error_chart::error_chart;
 use super::frames::FrameRanges;
 use super::interrupt::Interrupt;
@@ -72,12 +73,19 @@ pub(super) struct RenderArguments {
     /// How progress is shown
     #[arg(long, value_enum, default_value = "auto")]
     progress: ProgressArgument,
-    /// No progress and no summary
+    /// No progress, no summary and no warnings about the inputs
     #[arg(short, long)]
     quiet: bool,
 }
 
 impl RenderArguments {
+    /// Warns of what may be wrong with the inputs of some frames, as `check` does.
+    fn warn_of(&self, job: &Job, frames: &[u32]) {
+        if !self.quiet {
+            warn(&job.warnings(NEAR, frames));
+        }
+    }
+
     /// The folder of the frames.
     fn folder(&self) -> PathBuf {
         match self.preview {
@@ -105,7 +113,6 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     let spec = arguments.job.spec(arguments.preview);
     let options = arguments.job.options(arguments.force, arguments.replace);
     let mut job = Job::new(spec, Some(&out), &options)?;
-    warn(&job.inputs().scene.warnings);
     let count = job.frame_count();
     let frames = match &arguments.frames {
         None => (0..count).collect(),
@@ -123,6 +130,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         folder.prepare()
     };
     if arguments.prepare == Some(PrepareArgument::Sequence) {
+        arguments.warn_of(&job, &frames);
         prepare(&folder)?;
         return Ok(Status::Done);
     }
@@ -136,6 +144,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     let strays = strays(&folder, arguments)?;
     warn(&strays);
     if !missing.is_empty() {
+        arguments.warn_of(&job, &missing);
         if arguments.preview {
             // If this fails, so will drawing it again.
             let _ = folder.remove_sheet();

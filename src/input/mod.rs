@@ -7,6 +7,7 @@
 pub(crate) mod check;
 mod error;
 pub(crate) mod files;
+mod ignored_settings;
 mod mtl;
 mod obj;
 mod obj_check;
@@ -22,6 +23,7 @@ mod unused;
 
 pub use error::InputError;
 pub use files::InputFiles;
+pub use ignored_settings::{IgnoredSetting, ignored_settings};
 pub use scene_loader::{SceneInput, load_scene};
 pub use settings_file::{MIN_TARGET_ERROR, Settings, SettingsError};
 pub use technique::{GlobalIllumination, Mode};

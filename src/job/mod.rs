@@ -12,6 +12,7 @@ mod options;
 mod resolved_job;
 mod saved_estimate;
 mod spec;
+mod warnings;
 
 pub use cache::{CacheLocation, KeepCache, OpenedCache};
 pub use error::JobError;

@@ -108,6 +108,11 @@ impl Job {
         Job::new(spec, Some(folder.path()), &options)
     }
 
+    /// Its spec.
+    pub fn spec(&self) -> &Spec {
+        &self.spec
+    }
+
     /// Scene, camera path and threads.
     pub fn inputs(&self) -> &Inputs {
         &self.inputs

@@ -11,3 +11,4 @@ mod path_plot;
 mod preflight;
 mod quote_and_audit;
 mod report;
+mod warnings;

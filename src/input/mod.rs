@@ -8,6 +8,7 @@ pub(crate) mod check;
 mod error;
 pub(crate) mod files;
 mod ignored_settings;
+mod jpeg;
 mod mtl;
 mod obj;
 mod obj_check;

@@ -2,8 +2,9 @@
 
 use super::fault::{Fault, damaged, unsupported};
 use super::frame::{Frame, TableSet};
+use super::marker;
 use super::scan::Scan;
-use super::segments::{Segments, marker, write_segment};
+use super::segments::{Segments, write_segment};
 use jpeg_decoder::ColorTransform;
 
 /// More than any encoder writes: one for each coefficient of three components is 192.

@@ -9,6 +9,7 @@ mod check;
 mod fault;
 mod frame;
 mod huffman;
+mod marker;
 mod scan;
 mod segments;
 

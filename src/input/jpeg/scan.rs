@@ -4,7 +4,8 @@ use super::blocks::{Coding, Tables, read_block};
 use super::fault::{Fault, damaged, unsupported};
 use super::frame::{Frame, TableSet};
 use super::huffman::{self, Bits, Codes};
-use super::segments::{Segments, marker, write_entropy_coded, write_segment};
+use super::marker;
+use super::segments::{Segments, write_entropy_coded, write_segment};
 
 /// Blocks of a minimum coded unit.
 const MAX_UNIT: u32 = 10;

@@ -1,27 +1,5 @@
 //! The marker segments of a JPEG file and the entropy-coded data between them (ITU-T T.81, annex B).
 
-/// Markers, of which 0xff is the first byte.
-pub(super) mod marker {
-    pub(in super::super) const SEQUENTIAL: u8 = 0xc0;
-    pub(in super::super) const EXTENDED_SEQUENTIAL: u8 = 0xc1;
-    pub(in super::super) const PROGRESSIVE: u8 = 0xc2;
-    pub(in super::super) const HUFFMAN_TABLES: u8 = 0xc4;
-    pub(in super::super) const ARITHMETIC_CONDITIONING: u8 = 0xcc;
-    pub(in super::super) const RESTART_0: u8 = 0xd0;
-    pub(in super::super) const RESTART_7: u8 = 0xd7;
-    pub(in super::super) const START_OF_IMAGE: u8 = 0xd8;
-    pub(in super::super) const END_OF_IMAGE: u8 = 0xd9;
-    pub(in super::super) const START_OF_SCAN: u8 = 0xda;
-    pub(in super::super) const QUANTIZATION_TABLES: u8 = 0xdb;
-    pub(in super::super) const NUMBER_OF_LINES: u8 = 0xdc;
-    pub(in super::super) const RESTART_INTERVAL: u8 = 0xdd;
-    pub(in super::super) const APPLICATION_0: u8 = 0xe0;
-    pub(in super::super) const APPLICATION_14: u8 = 0xee;
-    pub(in super::super) const APPLICATION_15: u8 = 0xef;
-    pub(in super::super) const COMMENT: u8 = 0xfe;
-    pub(in super::super) const TEMPORARY: u8 = 0x01;
-}
-
 /// A file that is read from its first to its last byte.
 #[derive(Debug)]
 pub(super) struct Segments<'a> {

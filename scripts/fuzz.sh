@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 seconds=${1:-300}
 shift || true
 targets=("$@")
-[ $# -gt 0 ] || targets=(scene camera_path cameras model traversal)
+[ $# -gt 0 ] || targets=(scene camera_path cameras model jpeg traversal)
 
 rustup toolchain list | grep -q ^nightly || rustup toolchain install nightly --profile minimal
 cargo fuzz --version >/dev/null 2>&1 || cargo install --quiet cargo-fuzz

@@ -40,7 +40,7 @@ if [ "$tier" = quick ]; then
 fi
 
 step Tools
-tools=(ffmpeg shellcheck pgrep=procps munged=munge slurmctld slurmd sinfo=slurm-client)
+tools=(ffmpeg shellcheck djpeg=libjpeg-turbo-progs pgrep=procps munged=munge slurmctld slurmd sinfo=slurm-client)
 python3 -c "import ensurepip" 2>/dev/null || tools+=(ensurepip=python3-venv)
 scripts/install_missing.sh "${tools[@]}"
 step Format

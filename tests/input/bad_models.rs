@@ -130,14 +130,13 @@ fn picture(format: image::ImageFormat) -> Vec<u8> {
 
 #[test]
 fn images() {
-    use image::ImageFormat::{Bmp, Jpeg, Png, Tga};
-    for format in [Png, Jpeg, Bmp, Tga] {
+    use image::ImageFormat::{Bmp, Png, Tga};
+    for format in [Png, Bmp, Tga] {
         let name = format!("t.{}", format.extensions_str()[0]);
         let scene = TEXTURED.replace("t.png", &name);
         let valid = picture(format);
         let of = |bytes: &[u8]| check(&scene, &path(KEY), &[(&name, bytes)]);
         assert_eq!(of(&valid).0, Some(0), "{name}");
-        // A video after the picture, as some cameras append it.
         let trailer = [&valid[..], &[0xff, 0xda, 0, 2, 7]].concat();
         assert_eq!(of(&trailer).0, Some(0), "{name}");
         for percent in [0, 1, 10, 50, 90, 99] {

@@ -10,3 +10,4 @@ mod bad_ron;
 mod camera_files;
 mod documented_examples;
 mod extremes;
+mod jpeg_files;

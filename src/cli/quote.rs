@@ -5,6 +5,7 @@ use super::outcome::{Failure, Status, warn};
 use super::progress::{FractionProgress, clock};
 use super::values::parse_time;
 use crate::forecast::Forecast;
+use crate::frames::FrameFolder;
 use crate::job::{Accuracy, Job, KeepCache, SavedEstimate};
 use crate::storage::Folder;
 use clap::Args;
@@ -31,6 +32,10 @@ pub(super) struct QuoteArguments {
     /// Choose the camera samples of each pixel so that all frames take this time, as in 2h or 90min
     #[arg(long, value_name = "TIME", value_parser = parse_time, conflicts_with_all = ["samples", "target_error"])]
     budget: Option<Duration>,
+    /// Allow to write to a folder with finished frames of another scene or path, or with files that flythrough did not
+    /// write
+    #[arg(long)]
+    replace: bool,
     /// No progress bar
     #[arg(short, long)]
     quiet: bool,
@@ -41,9 +46,15 @@ pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
     let mut job = Job::new(
         arguments.job.spec(false),
         out,
-        &arguments.job.options(false, false),
+        &arguments.job.options(false, arguments.replace),
     )?;
     warn(&job.inputs().scene.warnings);
+    if let Some(out) = out
+        && !arguments.replace
+        && !job.is_of_folder(out)
+    {
+        FrameFolder::new(out, job.sequence(out)?, false).check_unoccupied()?;
+    }
     let folder = out.map(Folder::create).transpose()?;
     super::bake::bake(&mut job, KeepCache::IfPossible, arguments.quiet)?;
     let progress = FractionProgress::new(arguments.quiet);

@@ -270,7 +270,15 @@ fn is_proven(folder: &FrameFolder, frames: &[u32], job: &Job, quiet: bool) -> bo
             file.display()
         )]);
     }
-    changed.is_empty()
+    let is_recorded = folder.is_recorded();
+    if !is_recorded {
+        let file = folder.sequence_file();
+        warn(&[format!(
+            "{}: lost or changed; render the sequence again",
+            file.display()
+        )]);
+    }
+    changed.is_empty() && is_recorded
 }
 
 fn frames_in_words(count: usize) -> String {

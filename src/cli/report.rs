@@ -7,7 +7,7 @@ use super::progress::FractionProgress;
 use super::values::parse_size;
 use crate::input::Settings;
 use crate::job::{self, BUILD};
-use crate::report::{Inputs, report};
+use crate::report::{Inputs, check_free_for_report, report};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -45,6 +45,9 @@ pub(super) struct ReportArguments {
     /// relMSE of the references: a tenth of the smallest error of interest
     #[arg(long, value_name = "X", default_value = "0.0001")]
     reference_error: f64,
+    /// Write over files of the report's names that flythrough did not write
+    #[arg(long)]
+    replace: bool,
     #[command(flatten)]
     threads: ThreadsArgument,
     /// No progress bar and no summary
@@ -59,6 +62,9 @@ const COLUMNS: u32 = 128;
 const FRAMES: u32 = 3;
 
 pub(super) fn run(arguments: &ReportArguments) -> Result<Status, Failure> {
+    if !arguments.replace {
+        check_free_for_report(&arguments.out)?;
+    }
     let loaded = job::Inputs::load(
         &arguments.input.scene,
         &arguments.input.path,

@@ -2,6 +2,7 @@
 
 use super::format::FrameFormat;
 use crate::storage::Folder;
+use std::io::Read;
 
 /// The file beside the frames that records the expected ones: format, size, input hashes.
 pub(super) const SEQUENCE_FILE: &str = "sequence.ron";
@@ -29,14 +30,20 @@ pub(super) const OWN_FILES: [&str; 9] = [
     CAMERAS_FILE,
     MANIFEST_FILE,
     "errors.",
-    "estimate.ron",
-    "irradiance.cache",
+    ESTIMATE_FILE,
+    CACHE_FILE,
     SHEET_FILE,
 ];
 
 const FRAME_PREFIX: &str = "frame_";
 
 const ERROR_MAP_PREFIX: &str = "error_";
+
+/// The estimate of the sequence.
+pub(super) const ESTIMATE_FILE: &str = "estimate.ron";
+
+/// The irradiance cache of the sequence.
+pub(super) const CACHE_FILE: &str = "irradiance.cache";
 
 /// The first row of the table of errors.
 pub(super) const ERROR_TABLE_HEADER: &str = "frame,relMSE,low,high\n";
@@ -59,19 +66,21 @@ pub(super) fn looks_like_a_frame(name: &str) -> bool {
     name.starts_with(FRAME_PREFIX) || name.starts_with(ERROR_MAP_PREFIX)
 }
 
-/// Whether a file of a folder is one of those that the program writes beside frames, by how it begins. What has no such
-/// name is none.
-pub(super) fn is_table_of_frames(folder: &Folder, name: &str) -> bool {
+/// Whether a file beside the frames is one that the program wrote, by how it begins.
+pub(super) fn is_own(folder: &Folder, name: &str) -> bool {
     let start: &[u8] = match name {
         MANIFEST_FILE => b"Manifest(",
         CAMERAS_FILE => b"{\"frame\":0,",
         ERROR_TABLE => ERROR_TABLE_HEADER.as_bytes(),
         ERROR_CHART => b"<svg",
+        ESTIMATE_FILE => b"Estimate(",
+        CACHE_FILE => b"flythrough irradiance cache",
         SHEET_FILE => return is_sheet(folder, name),
         _ => return false,
     };
-    let there = folder.read(name, MAX_TEXT);
-    there.is_ok_and(|bytes| bytes.starts_with(start))
+    let mut beginning = vec![0; start.len()];
+    let file = folder.open_file(name);
+    file.is_ok_and(|mut file| file.read_exact(&mut beginning).is_ok() && beginning == start)
 }
 
 /// The metadata of a contact sheet.
@@ -83,11 +92,13 @@ fn is_sheet(folder: &Folder, name: &str) -> bool {
     metadata.as_deref() == Some(SHEET_METADATA)
 }
 
-/// The files beside the frames that can be made again from them.
-pub(super) const TABLES: [&str; 5] = [
+/// The files beside the frames.
+pub(super) const BESIDE_FRAMES: [&str; 7] = [
     MANIFEST_FILE,
     CAMERAS_FILE,
     ERROR_TABLE,
     ERROR_CHART,
+    ESTIMATE_FILE,
+    CACHE_FILE,
     SHEET_FILE,
 ];

@@ -4,7 +4,7 @@
 use super::encoded_pixels::EncodedPixels;
 use super::file_names::{
     CAMERAS_FILE, MAX_TEXT, OWN_FILES, SEQUENCE_FILE, SHEET_FILE, error_map_name, frame_name,
-    is_table_of_frames,
+    is_own,
 };
 use super::format::FrameFormat;
 use super::proof::{FileHash, FrameProof};
@@ -175,6 +175,12 @@ impl FrameFolder {
         there.is_some_and(|there| !there.has_the_frames_of(&self.sequence))
     }
 
+    /// Whether `sequence.ron` is of these frames, from whichever builds.
+    pub fn is_recorded(&self) -> bool {
+        let there = self.recorded();
+        there.is_some_and(|there| there.has_the_frames_of(&self.sequence))
+    }
+
     /// Whether there is a `sequence.ron`, of whichever frames.
     pub(super) fn has_a_sequence(&self) -> bool {
         self.recorded().is_some()
@@ -237,7 +243,7 @@ impl FrameFolder {
     /// Whether the file of the contact sheet is one that the program drew.
     pub fn has_its_sheet(&self) -> bool {
         let folder = self.folder();
-        folder.is_ok_and(|folder| is_table_of_frames(folder, SHEET_FILE))
+        folder.is_ok_and(|folder| is_own(folder, SHEET_FILE))
     }
 
     /// Removes the contact sheet: it may show other frames.

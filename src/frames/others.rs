@@ -1,7 +1,7 @@
 //! What is in a folder beside the frames of the sequence: files of somebody else, which are not replaced unasked, and
 //! frames that are none of the sequence.
 
-use super::file_names::{TABLES, is_table_of_frames, looks_like_a_frame};
+use super::file_names::{BESIDE_FRAMES, is_own, looks_like_a_frame};
 use super::folder::{FolderError, FrameFolder};
 use super::format::FrameFormat;
 use super::record::FrameRecord;
@@ -52,8 +52,8 @@ impl FrameFolder {
             });
         }
         if !self.has_a_sequence() {
-            let tables = TABLES.iter().filter_map(|name| names.get(*name));
-            foreign.extend(tables.filter(|name| !is_table_of_frames(folder, name)));
+            let beside = BESIDE_FRAMES.iter().filter_map(|name| names.get(*name));
+            foreign.extend(beside.filter(|name| !is_own(folder, name)));
         }
         match foreign[..] {
             [first, ..] if !is_ours => Err(FolderError::Foreign {

@@ -309,7 +309,7 @@ fn nothing_of_others_is_taken_over_unasked() {
         }
     }
     // Estimates and caches are made before frames.
-    write("estimate.ron");
+    fs::write(root.path().join("estimate.ron"), "Estimate(").expect("written");
     prepare("a", false).expect("free");
     let of = |hash: &str| FrameFolder::new(root.path(), sequence(hash), false);
     store(&of("a"), 0).expect("stored");

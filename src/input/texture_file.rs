@@ -2,6 +2,7 @@
 
 use super::error::InputError;
 use super::jpeg::{self, Fault};
+use crate::memory::{check_room, room};
 use crate::texture::Texture;
 use image::error::{DecodingError, ImageFormatHint, LimitError, LimitErrorKind};
 use image::error::{UnsupportedError, UnsupportedErrorKind};
@@ -11,6 +12,9 @@ use std::path::Path;
 
 /// 16,384 x 16,384: a header can claim any size, and memory is allocated for all of it.
 const MAX_TEXELS: u64 = 1 << 28;
+
+/// About the most memory that a texel takes while an image is decoded and converted.
+const BYTES_PER_TEXEL: u64 = 20;
 
 /// Decodes an image file. Also returns a notice of what of it is not used or damaged.
 ///
@@ -35,9 +39,7 @@ pub(super) fn decode(file: &Path, bytes: &[u8]) -> Result<(Texture, Option<Strin
     }
     let decoder = reader.into_decoder().map_err(refuse)?;
     let (width, height) = decoder.dimensions();
-    if u64::from(width) * u64::from(height) > MAX_TEXELS {
-        return Err(large(file, width, height));
-    }
+    check_size(file, width, height)?;
     let image = DynamicImage::from_decoder(decoder).map_err(refuse)?;
     let notice = unused(&image).map(str::to_owned);
     let rgb = image.into_rgb8();
@@ -47,10 +49,22 @@ pub(super) fn decode(file: &Path, bytes: &[u8]) -> Result<(Texture, Option<Strin
 }
 
 fn decode_jpeg(file: &Path, bytes: &[u8]) -> Result<(Texture, Option<String>), InputError> {
-    let decoded = jpeg::decode(bytes, MAX_TEXELS).map_err(|fault| {
+    let fitting = room().map_or(MAX_TEXELS, |room| room.left() / BYTES_PER_TEXEL);
+    let decoded = jpeg::decode(bytes, MAX_TEXELS.min(fitting)).map_err(|fault| {
         let message = match fault {
             Fault::Refused(message) => message,
-            Fault::Large { width, height } => return large(file, width, height),
+            Fault::Large { width, height } => {
+                return match check_size(file, width, height) {
+                    Err(error) => error,
+                    // There is more room by now.
+                    Ok(()) => refuse(
+                        file,
+                        ImageError::Limits(LimitError::from_kind(
+                            LimitErrorKind::InsufficientMemory,
+                        )),
+                    ),
+                };
+            }
         };
         let format = ImageFormatHint::Exact(ImageFormat::Jpeg);
         refuse(
@@ -82,13 +96,20 @@ fn refuse(file: &Path, source: ImageError) -> InputError {
     }
 }
 
-fn large(file: &Path, width: u32, height: u32) -> InputError {
-    InputError::LargeImage {
-        file: file.to_owned(),
-        width,
-        height,
-        most: MAX_TEXELS,
+/// Checks that an image of this size may be a texture, and that it fits into memory while it is decoded.
+fn check_size(file: &Path, width: u32, height: u32) -> Result<(), InputError> {
+    let texels = u64::from(width) * u64::from(height);
+    if texels > MAX_TEXELS {
+        return Err(InputError::LargeImage {
+            file: file.to_owned(),
+            width,
+            height,
+            most: MAX_TEXELS,
+        });
     }
+    let need = texels * BYTES_PER_TEXEL;
+    let what = format!("{}: an image of {width}x{height} texels", file.display());
+    Ok(check_room(&what, need, "make it smaller")?)
 }
 
 fn unused(image: &DynamicImage) -> Option<&'static str> {

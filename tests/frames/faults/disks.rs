@@ -129,3 +129,76 @@ fn a_folder_that_vanishes_is_not_made_again_and_its_frames_are_named() {
     assert_eq!(faults(&gone), [""; 0]);
     assert!(frames(&gone).len() >= 2);
 }
+
+/// There may be room later: status 3. The cache is found not to fit before its light is gathered, and frames that do
+/// fit use one that does not.
+#[test]
+fn commands_on_a_full_disk_say_that_trying_again_may_help() {
+    let batch = Batch::new(4);
+    let path = batch.folder.path().join("p.ron");
+    let path = path.to_str().unwrap();
+    let scene = "scenes/test3.ron";
+    let small = ["--size", "64x48", "--mode", "montecarlo"];
+    let rendered = batch.folder.path().join("rendered");
+    assert_eq!(
+        batch.render(&rendered, &["--size", "64x48"]).status.code(),
+        Some(0)
+    );
+    let Some(disk) = Disk::new(160) else { return };
+    let file = |name: &str| disk.folder.path().join(name).to_str().unwrap().to_owned();
+    let output = flythrough(
+        &[
+            &["bake", scene, path, "-o", &file("light.cache")],
+            &small[..],
+        ]
+        .concat(),
+    );
+    assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("light.cache: cannot be written: No space left"),
+        "{}",
+        stderr(&output)
+    );
+    let output = batch.render(&disk.out(), &small);
+    let printed = stderr(&output);
+    assert_eq!(output.status.code(), Some(0), "{printed}");
+    assert!(printed.contains("used, but not kept"), "{printed}");
+    assert_eq!(faults(&disk.out()), [""; 0]);
+    // Nothing at all fits any more.
+    let rest = fs::File::create(file("rest")).unwrap();
+    while (&rest).write_all(&[1; 512]).is_ok() {}
+    let out = disk.out();
+    let rendered = rendered.to_str().unwrap();
+    let commands: [&[&str]; 6] = [
+        &[
+            "quote",
+            scene,
+            path,
+            "-o",
+            out.to_str().unwrap(),
+            "--size",
+            "64x48",
+        ],
+        &["sheet", rendered, "-o", &file("sheet.png")],
+        &["path", "plot", scene, path, "-o", &file("plot.svg")],
+        &["path", "export", path, "-o", &file("path.json")],
+        &["report", scene, path, "-o", &file("report")],
+        &[
+            "render",
+            scene,
+            path,
+            "-o",
+            &file("out2"),
+            "--size",
+            "64x48",
+        ],
+    ];
+    for command in commands {
+        let output = flythrough(command);
+        let printed = stderr(&output);
+        assert_eq!(output.status.code(), Some(3), "{command:?}: {printed}");
+        assert!(printed.contains("No space left on device"), "{printed}");
+    }
+    let left: Vec<_> = partial_files(disk.folder.path());
+    assert_eq!(left, [""; 0].map(PathBuf::from));
+}

@@ -5,7 +5,7 @@ use crate::support::*;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
-use std::process::Child;
+use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::Duration;
 
@@ -44,4 +44,101 @@ fn memory_does_not_grow_after_a_fifth_of_the_frames() {
     let (first, last) = (most(0), most(3));
     assert!(0 < first.0 && last.0 <= first.0 + 2000, "{fifths:?}");
     assert!(last.1 < 40, "{fifths:?}");
+}
+
+/// Runs the program with so many kilobytes of address space.
+fn limited(kilobytes: u32, arguments: &[&str]) -> (Option<i32>, String) {
+    let mut shell = Command::new("sh");
+    shell.args([
+        "-c",
+        &format!("ulimit -v {kilobytes}; exec \"$@\""),
+        "sh",
+        env!("CARGO_BIN_EXE_flythrough"),
+    ]);
+    let output = shell.args(arguments).current_dir(root()).output().unwrap();
+    (output.status.code(), stderr(&output))
+}
+
+/// What does not fit is refused with the numbers and what to do, before it is taken.
+#[test]
+fn what_does_not_fit_into_memory_is_refused() {
+    let batch = Batch::new(2);
+    let path = batch.folder.path().join("p.ron");
+    let (path, out) = (path.to_str().unwrap(), batch.out());
+    let out = out.to_str().unwrap();
+    let render = |scene: &str, more: &[&str]| {
+        let arguments = [&["render", scene, path, "-o", out, "--threads", "1"], more].concat();
+        limited(600_000, &arguments)
+    };
+    let refused = |(status, printed): (Option<i32>, String), what: &str, advice: &str| {
+        assert_eq!(status, Some(2), "{printed}");
+        assert!(
+            printed.contains(what) && printed.contains(advice),
+            "{printed}"
+        );
+        assert!(printed.contains("ulimit -v"), "{printed}");
+        assert!(!batch.out().exists() || frames(&batch.out()).is_empty());
+    };
+    refused(
+        render("scenes/test3.ron", &["--size", "8000x8000"]),
+        "frames of 8000x8000",
+        "--size",
+    );
+    let file = |name: &str| batch.folder.path().join(name);
+    let row = |y: u32| -> String { (0..300).map(|x| format!("v {x} {y} 0\n")).collect() };
+    let face = |at: u32| format!("f {} {} {}\n", at + 1, at + 2, at + 301);
+    let model: String = (0..300).map(row).chain((0..300 * 299).map(face)).collect();
+    fs::write(file("m.obj"), model).unwrap();
+    let copies: String = (0..40)
+        .map(|x| format!("model(file: \"m.obj\", translation: ({x}, 0, 0)), "))
+        .collect();
+    let scene = file("copies.ron");
+    fs::write(
+        &scene,
+        format!("Scene(ambient: (1, 1, 1), objects: [{copies}])"),
+    )
+    .unwrap();
+    refused(
+        render(scene.to_str().unwrap(), &["--size", "8x6"]),
+        "triangles: needs",
+        "fewer copies",
+    );
+    image::RgbImage::new(8000, 5000)
+        .save(file("t.png"))
+        .unwrap();
+    let scene = file("texture.ron");
+    let text = "Scene(materials: {\"m\": (texture: \"t.png\")}, objects: [sphere(radius: 1, material: \"m\")])";
+    fs::write(&scene, text).unwrap();
+    refused(
+        render(scene.to_str().unwrap(), &["--size", "8x6"]),
+        "t.png: ",
+        "smaller",
+    );
+    let (status, printed) = render("scenes/test3.ron", &["--size", "8x6"]);
+    assert_eq!(status, Some(0), "{printed}");
+}
+
+/// The system may grant more of them later.
+#[test]
+fn threads_that_cannot_be_started_are_no_wrong_usage() {
+    let batch = Batch::new(2);
+    let path = batch.folder.path().join("p.ron");
+    let arguments = [
+        "check",
+        "scenes/test3.ron",
+        path.to_str().unwrap(),
+        "--threads",
+        "4000",
+    ];
+    let (status, printed) = limited(1_000_000, &arguments);
+    assert_eq!(status, Some(3), "{printed}");
+    assert!(printed.contains("threads cannot be started"), "{printed}");
+    let arguments = [
+        "check",
+        "scenes/test3.ron",
+        path.to_str().unwrap(),
+        "--threads",
+        "1000000",
+    ];
+    assert_eq!(limited(1_000_000, &arguments).0, Some(2));
 }

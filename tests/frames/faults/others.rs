@@ -149,6 +149,11 @@ fn pictures_and_exports_do_not_replace_files() {
     ];
     needs_the_flag(&bake, root, "x.cache");
     assert_eq!(flythrough(&bake).status.code(), Some(0), "it is this cache");
+    fs::write(root.join("report.md"), "precious").unwrap();
+    let output = flythrough(&["report", &scene, &path, "-o", root.to_str().unwrap()]);
+    assert_eq!(output.status.code(), Some(2));
+    let printed = stderr(&output);
+    assert!(printed.contains("report.md: is there already"), "{printed}");
     // The folder's own sheet is drawn again and again, but not over somebody's picture.
     for _ in 0..2 {
         assert_eq!(flythrough(&["sheet", &out]).status.code(), Some(0));

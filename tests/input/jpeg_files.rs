@@ -1,5 +1,5 @@
-//! JPEG textures beside libjpeg-turbo's programs: whole files have the pixels of `djpeg`, and no damage that it tells of
-//! is silent here.
+//! JPEG textures beside libjpeg-turbo's programs: whole files have the pixels of `djpeg`, and no damage that it tells
+//! of is silent here.
 
 use crate::support::*;
 use flythrough::input::{InputFiles, load_scene};
@@ -28,8 +28,8 @@ const SCANS: [&str; 5] = [
      0 1 2: 0-0, 1, 0; 0: 1-63, 2, 1; 0: 1-63, 1, 0; 1: 1-63, 1, 0; 2: 1-63, 1, 0;",
 ];
 
-/// libjpeg-turbo's programs and a folder for their files. Where they are missing there is none: the test is skipped with
-/// a message, or fails in CI.
+/// libjpeg-turbo's programs and a folder for their files. Where they are missing there is none: the test is skipped
+/// with a message, or fails in CI.
 struct Libjpeg {
     folder: tempfile::TempDir,
 }

@@ -31,8 +31,8 @@ pub(super) struct Tables {
     pub(super) ac: Option<Table>,
 }
 
-/// Reads a block. `nonzero` is which coefficients of it are not zero, for progressive AC scans. `end_of_band_run` is for
-/// how many more blocks of the interval no new coefficient comes.
+/// Reads a block. `nonzero` is which coefficients of it are not zero, for progressive AC scans. `end_of_band_run` is
+/// for how many more blocks of the interval no new coefficient comes.
 pub(super) fn read_block(
     bits: &mut Bits,
     coding: Coding,

@@ -37,7 +37,7 @@
 //!
 //! | layer | modules | never know |
 //! |---|---|---|
-//! | 0 | [`math`], [`sampling`], [`memory`], [`storage`] | anything above |
+//! | 0 | [`math`], [`sampling`], [`memory`], [`storage`], [`text`] | anything above |
 //! | 1 | [`simd`], [`geometry`], [`texture`], [`film`] | files, threads, the scene |
 //! | 2 | [`accel`], [`material`], [`light`], [`camera`], [`metrics`], [`irradiance_cache`] | each other, files, threads |
 //! | 3 | [`scene`] | how light is gathered, files |
@@ -83,4 +83,5 @@ pub mod scene;
 pub mod selftest;
 pub mod simd;
 pub mod storage;
+pub mod text;
 pub mod texture;

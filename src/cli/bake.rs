@@ -82,7 +82,9 @@ pub(super) fn bake(job: &mut Job, keep: KeepCache, quiet: bool) -> Result<(), Fa
             "irradiance cache {what} in {}",
             clock(start.elapsed())
         ));
-        say(format_args!("{}", summary(baked)));
+        for line in summary(baked).lines() {
+            say(format_args!("{line}"));
+        }
     }
     warn(&shortfall(baked, &settings).into_iter().collect::<Vec<_>>());
     if let Some(error) = not_kept {

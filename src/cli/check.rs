@@ -4,9 +4,11 @@ use super::job_args::{InputArguments, SettingsArguments, ThreadsArgument};
 use super::outcome::{Failure, Status, warn};
 use super::values::parse_distance;
 use crate::job::{Job, JobOptions, Spec};
+use crate::text::visible;
 use clap::Args;
 use glam::DVec3;
 use std::io::Write;
+use std::path::Path;
 
 /// The distance in metres that the camera should keep from surfaces, unless another is given.
 pub(super) const NEAR: f64 = 0.1;
@@ -54,15 +56,16 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     let (width, height) = (job.settings().width, job.settings().height);
 
     let mut out = std::io::stdout().lock();
-    writeln!(out, "scene      {}", arguments.input.scene.display())?;
+    let file = |file: &Path| visible(file.display());
+    writeln!(out, "scene      {}", file(&arguments.input.scene))?;
     writeln!(out, "objects    {}", input.object_count)?;
     writeln!(out, "triangles  {}", scene.triangle_count())?;
     writeln!(out, "spheres    {}", scene.sphere_count())?;
     writeln!(out, "lights     {}", scene.lights.len())?;
     writeln!(out, "textures   {}", scene.textures().len())?;
-    for (texture, file) in scene.textures().iter().zip(&input.texture_files) {
+    for (texture, name) in scene.textures().iter().zip(&input.texture_files) {
         let (width, height) = texture.size();
-        writeln!(out, "           {width}x{height} {}", file.display())?;
+        writeln!(out, "           {width}x{height} {}", file(name))?;
     }
     let bounds = scene.bounds();
     if scene.triangle_count() + scene.sphere_count() > 0 {
@@ -81,7 +84,7 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     )?;
     let timeline = path.path.timeline();
     let frames = timeline.frame_count();
-    writeln!(out, "path       {}", arguments.input.path.display())?;
+    writeln!(out, "path       {}", file(&arguments.input.path))?;
     writeln!(out, "frames     {frames} at {} per second", timeline.fps)?;
     writeln!(out, "duration   {} s", timeline.end - timeline.start)?;
     let (first, last) = (path.path.camera(0), path.path.camera(frames - 1));

@@ -1,6 +1,6 @@
 //! Signals that ask for an end: SIGTERM, SIGINT (Ctrl-C), SIGHUP and SIGUSR1, by which Slurm warns of a time limit.
 
-use super::outcome::{Status, say_error};
+use super::outcome::{Status, complain};
 use crate::storage::remove_unfinished;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::iterator::Signals;
@@ -55,7 +55,7 @@ impl Interrupt {
                     wait_for_the_end(&stage, &mut signals);
                 }
                 remove_unfinished();
-                say_error(format_args!("interrupted: the same command continues"));
+                complain("interrupted: the same command continues");
                 exit(Status::Interrupted as i32);
             })?;
         Ok(interrupt)

@@ -26,10 +26,12 @@ mod status;
 mod values;
 mod verify;
 
+use crate::text::visible;
 use args::{Arguments, Command};
 use clap::Parser;
 use interrupt::Interrupt;
-use outcome::{Status, is_unread, say_error};
+use outcome::{Status, complain, is_unread};
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Runs the program on the process's arguments.
@@ -37,11 +39,11 @@ pub fn run() -> ExitCode {
     let interrupt = match Interrupt::install() {
         Ok(interrupt) => interrupt,
         Err(error) => {
-            say_error(format_args!("signals cannot be caught: {error}"));
+            complain(format_args!("signals cannot be caught: {error}"));
             return ExitCode::from(Status::SomeFailed as u8);
         }
     };
-    let result = match Arguments::parse().command {
+    let result = match parsed(std::env::args_os().collect()).command {
         Command::Render(render) => render::run(&render, interrupt),
         Command::Quote(quote) => quote::run(&quote),
         Command::Audit(audit) => audit::run(&audit, interrupt),
@@ -59,8 +61,22 @@ pub fn run() -> ExitCode {
         if is_unread(&error) {
             return Status::Done;
         }
-        say_error(format_args!("{error}"));
+        complain(&error);
         Status::of(&*error)
     });
     ExitCode::from(status as u8)
+}
+
+/// The arguments as clap parses them; ends the program if they are wrong, or ask for help.
+fn parsed(given: Vec<OsString>) -> Arguments {
+    Arguments::try_parse_from(&given).unwrap_or_else(|error| {
+        // clap quotes arguments as they are, so it is asked again with those that may be shown.
+        let shown = given
+            .iter()
+            .map(|argument| visible(argument.to_string_lossy()));
+        Arguments::try_parse_from(shown)
+            .err()
+            .unwrap_or(error)
+            .exit()
+    })
 }

@@ -1,6 +1,7 @@
 //! How a command ends, and what it says: exit status, errors, results and warnings.
 
 use crate::render::ErrorEstimate;
+use crate::text::visible;
 use std::error::Error;
 use std::fmt;
 use std::fs;
@@ -78,7 +79,12 @@ pub(super) fn keep(file: &Path, replace: bool) -> Result<(), Failure> {
 
 /// Prints a line of a result. A reader that has gone is no error: the exit status says what matters.
 pub(super) fn say(line: fmt::Arguments) {
-    let _ = writeln!(io::stdout(), "{line}");
+    let _ = writeln!(io::stdout(), "{}", visible(line));
+}
+
+/// Prints the error that ends the program.
+pub(super) fn complain(error: impl fmt::Display) {
+    eprintln!("flythrough: {}", visible(error));
 }
 
 /// The mean and the worst of the errors of frames; none where there are none. `place` is the relation of an error to its
@@ -95,12 +101,6 @@ pub(super) fn error_summary(errors: &[(u32, ErrorEstimate)], place: &str) -> Opt
     ))
 }
 
-/// Prints why a command ends.
-pub(super) fn say_error(line: fmt::Arguments) {
-    // Nobody may be left to read it.
-    let _ = writeln!(io::stderr(), "flythrough: {line}");
-}
-
 /// Says that another process is waited for, which holds the lock of a file.
 pub(super) fn say_waiting(lock: &Path) {
     warn(&[format!(
@@ -109,8 +109,9 @@ pub(super) fn say_waiting(lock: &Path) {
     )]);
 }
 
+/// Prints a line for each warning.
 pub(super) fn warn(warnings: &[String]) {
     for warning in warnings {
-        eprintln!("warning: {warning}");
+        eprintln!("warning: {}", visible(warning));
     }
 }

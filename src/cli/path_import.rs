@@ -1,10 +1,9 @@
 //! `flythrough path import`: a camera path file from an animated camera of another program.
 
-use super::outcome::{Failure, Status, keep};
+use super::outcome::{Failure, Status, keep, say};
 use super::path_args::ImportArguments;
 use crate::camera_formats::{camera_path_to_ron, import_cameras, parse_camera_path};
 use crate::storage::write_atomic;
-use std::io::Write;
 
 pub(super) fn run(arguments: &ImportArguments) -> Result<Status, Failure> {
     let out = &arguments.out;
@@ -19,13 +18,12 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Status, Failure> {
     let path = parse_camera_path(&arguments.file, text.as_bytes())?.path;
     write_atomic(out, text.as_bytes())?;
     let timeline = path.timeline();
-    writeln!(
-        std::io::stdout(),
+    say(format_args!(
         "{}: {} frames at {} per second, {:.2} s",
         out.display(),
         timeline.frame_count(),
         timeline.fps,
         timeline.end - timeline.start
-    )?;
+    ));
     Ok(Status::Done)
 }

@@ -3,6 +3,7 @@
 use super::interrupt::Interrupt;
 use super::values::ProgressArgument;
 use crate::render::{RenderObserver, RenderSettings, SinkError, tile_count};
+use crate::text::visible;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -154,7 +155,7 @@ impl RenderObserver for SequenceProgress {
 
     fn frame_failed(&self, frame: u32, error: &SinkError) {
         self.bar
-            .suspend(|| eprintln!("frame {frame} failed: {error}"));
+            .suspend(|| eprintln!("frame {frame} failed: {}", visible(error)));
     }
 }
 

@@ -1,11 +1,10 @@
 //! `sheet`: a contact sheet of a folder of frames.
 
 use super::frames::FrameRanges;
-use super::outcome::{Failure, Status, keep};
+use super::outcome::{Failure, Status, keep, say};
 use crate::frames::write_contact_sheet;
 use crate::job::open_folder;
 use clap::Args;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// Draw a contact sheet of a folder of frames
@@ -53,7 +52,7 @@ pub(super) fn run(arguments: &SheetArguments) -> Result<Status, Failure> {
     keep(&file, arguments.replace || is_own)?;
     write_contact_sheet(&folder, &frames, &file)?;
     if !arguments.quiet {
-        writeln!(std::io::stdout(), "{}", file.display())?;
+        say(format_args!("{}", file.display()));
     }
     Ok(Status::Done)
 }

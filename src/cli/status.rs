@@ -3,6 +3,7 @@
 use super::frames::ranges;
 use super::outcome::{Failure, Status};
 use crate::frames::FrameFolder;
+use crate::text::visible;
 use clap::Args;
 use serde::Serialize;
 use std::io::Write;
@@ -58,6 +59,7 @@ pub(super) fn run(arguments: &StatusArguments) -> Result<Status, Failure> {
     }
     let errors = current.iter().filter_map(|record| record.error);
     let format = sequence.format.to_string();
+    let build = visible(&sequence.build);
     let state = State {
         frames: sequence.frames,
         fps: sequence.fps,
@@ -65,7 +67,7 @@ pub(super) fn run(arguments: &StatusArguments) -> Result<Status, Failure> {
         height: sequence.height,
         format: &format,
         irradiance_cache: sequence.irradiance_cache,
-        build: &sequence.build,
+        build: &build,
         current: current.len(),
         missing: ranges(&missing),
         worst_error: errors.map(|error| error.rel_mse).reduce(f64::max),

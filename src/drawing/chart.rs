@@ -2,6 +2,7 @@
 
 use super::area::{Area, DrawingError, Drawn, svg_of};
 use super::svg;
+use crate::text::visible;
 use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -99,7 +100,7 @@ impl Chart {
         let values = drawn.flat_map(|point| [point.low, point.y, point.high]);
         let y = range(values.chain(self.guides.iter().copied()), &self.y);
         // Beside the plot.
-        let names = self.series.iter().map(|series| series.name.len());
+        let names = self.series.iter().map(|series| visible(&series.name).len());
         let legend_width = match names.max() {
             None | Some(0) => 8,
             Some(letters) => 44 + 7 * letters as u32,
@@ -108,7 +109,7 @@ impl Chart {
         self.legend(&legend)?;
         let mut builder = ChartBuilder::on(&plot);
         builder
-            .caption(&self.title, (FONT, 18))
+            .caption(visible(&self.title), (FONT, 18))
             .margin(8)
             .set_label_area_size(LabelAreaPosition::Left, 64)
             .set_label_area_size(LabelAreaPosition::Bottom, 40);
@@ -128,8 +129,8 @@ impl Chart {
         let small = (FONT, 13);
         chart
             .configure_mesh()
-            .x_desc(&self.x.label)
-            .y_desc(&self.y.label)
+            .x_desc(visible(&self.x.label))
+            .y_desc(visible(&self.y.label))
             .label_style(small)
             .axis_desc_style(small)
             .bold_line_style(BLACK.mix(0.15))
@@ -178,7 +179,7 @@ impl Chart {
         for (number, series) in named.filter(|(_, series)| !series.name.is_empty()) {
             let y = 48 + 20 * number as i32;
             area.draw(&mark(number, (12, y)))?;
-            area.draw(&Text::new(series.name.as_str(), (24, y), style.clone()))?;
+            area.draw(&Text::new(visible(&series.name), (24, y), style.clone()))?;
         }
         Ok(())
     }

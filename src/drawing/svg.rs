@@ -1,5 +1,6 @@
 //! SVG rendered to pixels, with the program's own font.
 
+use crate::text::visible;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Error, Options, Tree};
 use std::sync::Arc;
@@ -20,10 +21,9 @@ pub(super) fn pixels(svg: &str) -> Result<Pixmap, Error> {
     Ok(pixels)
 }
 
-/// Escapes a text for SVG; characters that XML does not allow become spaces.
+/// Escapes a text for SVG; what XML does not allow becomes visible.
 pub(super) fn escaped(text: &str) -> String {
-    let is_barred = |letter: char| letter.is_control() || matches!(letter, '\u{fffe}' | '\u{ffff}');
-    let text = text.replace(is_barred, " ").replace('&', "&amp;");
+    let text = visible(text).replace('&', "&amp;");
     text.replace('<', "&lt;").replace('>', "&gt;")
 }
 
@@ -63,7 +63,7 @@ mod tests {
                 "<text y='20' font-family='sans-serif'>{text}</text>"
             ))
         };
-        assert_eq!(text("a\u{1}\u{ffff}<&]]>"), text("a  <&]]>"));
+        assert_eq!(text("a\u{1}\u{ffff}<&]]>"), text(r"a\u{1}\u{ffff}<&]]>"));
         for (one, other) in [("<", " "), ("&", "<"), ("a > b", "a b"), ("ä", "a")] {
             assert_ne!(text(one), text(other), "{one} {other}");
         }

@@ -7,6 +7,7 @@ use super::findings::Report;
 use super::flicker::PATHS;
 use super::measure::Measurement;
 use super::pictures::strip_of;
+use crate::text::visible;
 use std::fmt::Write;
 use std::io;
 
@@ -61,6 +62,18 @@ pub(super) fn json(report: &Report) -> Result<Vec<u8>, ReportError> {
     json.map_err(|error| ReportError::Encoding(io::Error::other(error)))
 }
 
+/// A text that is shown as it is, whatever characters of Markdown or HTML it has.
+fn plain(text: &str) -> String {
+    let mut plain = String::new();
+    for letter in visible(text).chars() {
+        if letter.is_ascii_punctuation() && !matches!(letter, '-' | '.' | ',' | ':') {
+            plain.push('\\');
+        }
+        plain.push(letter);
+    }
+    plain
+}
+
 /// The report as Markdown, with its pictures.
 pub(super) fn markdown(report: &Report) -> String {
     let mut text = String::new();
@@ -71,7 +84,7 @@ pub(super) fn markdown(report: &Report) -> String {
 
 fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     let (width, height) = report.full_size;
-    writeln!(out, "# {}: error against time\n", report.title)?;
+    writeln!(out, "# {}: error against time\n", plain(&report.title))?;
     for line in &report.advice {
         writeln!(out, "* {line}")?;
     }

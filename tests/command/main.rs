@@ -5,6 +5,7 @@
 mod support;
 
 mod cli;
+mod hostile_names;
 mod job;
 mod path_command;
 mod path_plot;

@@ -1,5 +1,6 @@
 //! The report on speed against error, of small frames, and the checks it is built on.
 
+use crate::hostile_names::{HOSTILE, assert_is_harmless};
 use crate::support::statistics::spread;
 use crate::support::*;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
@@ -111,7 +112,8 @@ fn a_locked_seed_gives_the_same_noise_in_every_frame() {
 fn a_report_has_everything_and_keeps_its_references() {
     let out = tempfile::tempdir().unwrap();
     let scene = out.path().join("s.ron");
-    let path = out.path().join("p.ron");
+    // The title of the report.
+    let path = out.path().join(format!("[a](b) <i>*|{HOSTILE}.ron"));
     fs::write(
         &scene,
         "Scene(
@@ -157,8 +159,17 @@ fn a_report_has_everything_and_keeps_its_references() {
     let techniques = flythrough::report::techniques();
     assert_eq!(measured.len(), techniques.len());
     assert_eq!(read("report.csv").lines().count(), techniques.len() + 1);
-    // Every picture of the report exists.
     let text = read("report.md");
+    assert!(text.starts_with(r"# \[a\]\(b\) \<i\>\*\|é"), "{text}");
+    for text in [
+        &text,
+        &read("report.csv"),
+        &read("curves.svg"),
+        &read("flicker.svg"),
+    ] {
+        assert_is_harmless(text);
+    }
+    // Every picture of the report exists.
     let pictures: BTreeSet<&str> = text
         .split("](")
         .skip(1)

@@ -17,6 +17,7 @@ mod view;
 use super::area::DrawingError;
 use crate::camera::CameraPath;
 use crate::scene::Scene;
+use crate::text::visible;
 use motion::Motion;
 use region::Region;
 use sheet::Sheet;
@@ -33,8 +34,7 @@ pub fn plot(
     aspect: f64,
     title: &str,
 ) -> Result<String, DrawingError> {
-    // Not allowed in SVG.
-    let title = title.replace(char::is_control, " ");
+    let title = visible(title);
     let motion = Motion::of(path, aspect);
     let region = Region::of(scene, &motion);
     let sheet = Sheet::new(&motion, &region, &title);

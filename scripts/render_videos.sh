@@ -3,7 +3,8 @@
 #
 #   scripts/render_videos.sh [OUT_DIR [flythrough render options]]
 #
-# Frames and videos go to OUT_DIR (default: out). An interrupted run is taken up where it stopped.
+# Frames and videos go to OUT_DIR (default: out), where the videos are called translate_rotate.mp4 and zoom.mp4. An
+# interrupted run is taken up where it stopped.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-out}
@@ -15,7 +16,6 @@ cargo build --release --quiet
 
 for name in translate_rotate zoom; do
     echo "Rendering $name"
-    target/release/flythrough render scenes/test2.ron "paths/$name.ron" --out "$out/$name" "$@"
-    scripts/make_video.sh "$out/$name" "$out/$name.mp4"
+    target/release/flythrough render scenes/test2.ron "paths/$name.ron" --out="$out/$name" "$@"
+    scripts/make_video.sh -- "$out/$name" "$out/$name.mp4"
 done
-echo "The videos: $out/translate_rotate.mp4 and $out/zoom.mp4"

@@ -1,17 +1,25 @@
 //! Videos of frames: complete and of the right colours, or refused. Needs ffmpeg.
 
 use crate::support::*;
+use std::ffi::OsStr;
 use std::fs;
+use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+/// The script, to be run in a folder.
+fn script(folder: &Path) -> Command {
+    let mut script = Command::new(root().join("scripts/make_video.sh"));
+    script
+        .env("FLYTHROUGH", env!("CARGO_BIN_EXE_flythrough"))
+        .current_dir(folder);
+    script
+}
 
 fn make_video(frames: &Path, video: &Path) -> Output {
-    let script = root().join("scripts/make_video.sh");
-    Command::new(script)
-        .env("FLYTHROUGH", env!("CARGO_BIN_EXE_flythrough"))
-        .args([frames, video])
-        .output()
-        .unwrap()
+    script(root()).args([frames, video]).output().unwrap()
 }
 
 /// Twelve frames with an odd width and height.
@@ -194,4 +202,168 @@ fn gaps_short_sequences_and_damaged_frames_are_refused() {
         "{}",
         stderr(&output)
     );
+}
+
+/// The frames are the same at another frame rate, but the video is not.
+#[test]
+fn the_frame_rate_is_that_of_the_path() {
+    let folder = rendered(ROOM);
+    let path = folder.path().join("p.ron");
+    let faster = fs::read_to_string(&path)
+        .unwrap()
+        .replace("fps: 12", "fps: 24");
+    fs::write(&path, faster.replace("0.917", "0.4585")).unwrap();
+    let [frames, video] = ["frames", "v.mp4"].map(|name| folder.path().join(name));
+    let output = make_video(&frames, &video);
+    assert_eq!(output.status.code(), Some(3));
+    let message = stderr(&output);
+    assert!(
+        message.contains("records 12 frames at 12 per second"),
+        "{message}"
+    );
+    assert!(!video.exists());
+    let (path, out) = (path.to_str().unwrap(), frames.to_str().unwrap());
+    let render = ["render", ROOM, path, "-o", out, "--size", "61x41"];
+    assert_eq!(flythrough(&render).status.code(), Some(0));
+    let output = make_video(&frames, &video);
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        printed.contains("12 frames at 24.0 per second"),
+        "{printed}"
+    );
+}
+
+/// Names are neither patterns nor protocols of ffmpeg, nor options, nor text of a shell.
+#[test]
+fn names_are_data() {
+    let folder = rendered(ROOM);
+    let here = folder.path();
+    let names: [(&[u8], &[u8]); 4] = [
+        (b"-%d %05d%%", b"-v.mp4"),
+        (
+            b"it's \"$(touch RUN)\" *[a]{b}\\",
+            b"http:$(touch RUN)'.MP4",
+        ),
+        (b"a\x1b[31m\r\n", b"file:\n\r%d.mov"),
+        (b"concat:a|\xff", b"pipe:\xff.mkv"),
+    ];
+    let mut now = here.join("frames");
+    for (frames, video) in names
+        .map(|(frames, video)| [frames, video].map(OsStr::from_bytes))
+        .map(|[f, v]| (f, v))
+    {
+        let next = here.join(frames);
+        fs::rename(now, &next).unwrap();
+        now = next;
+        // The second time over its own video.
+        for _ in 0..2 {
+            let output = script(here).args([frames, video]).output().unwrap();
+            assert!(output.status.success(), "{video:?}: {}", stderr(&output));
+            let shown = [output.stdout, output.stderr].concat();
+            assert!(
+                !shown.contains(&0x1b) && !shown.contains(&b'\r'),
+                "{video:?}"
+            );
+        }
+        assert!(fs::metadata(here.join(video)).unwrap().len() > 1000);
+    }
+    // Frames, inputs and videos, and nothing beside them.
+    assert_eq!(fs::read_dir(here).unwrap().count(), 2 + names.len());
+}
+
+/// What is refused leaves everything as it was.
+#[test]
+fn only_videos_of_the_script_are_overwritten() {
+    let folder = rendered(ROOM);
+    let here = folder.path();
+    fs::write(here.join("notes.mp4"), "notes").unwrap();
+    fs::create_dir(here.join("folder.mp4")).unwrap();
+    std::os::unix::fs::symlink("notes.mp4", here.join("link.mp4")).unwrap();
+    let make = |video: &str, more: &[&str]| {
+        let output = script(here)
+            .args(more)
+            .args(["frames", video])
+            .output()
+            .unwrap();
+        (output.status.code(), stderr(&output))
+    };
+    for (video, expected) in [
+        ("notes.mp4", "is there already"),
+        ("link.mp4", "not a regular file"),
+        ("folder.mp4", "not a regular file"),
+        ("video", "name it .mp4"),
+        ("video.gif", "name it .mp4"),
+        (".mp4", "name it .mp4"),
+        ("", "usage"),
+    ] {
+        let (status, message) = make(video, &[]);
+        assert_eq!(status, Some(2), "{video}: {message}");
+        assert!(message.contains(expected), "{video}: {message}");
+    }
+    assert_eq!(make("link.mp4", &["--replace"]).0, Some(2));
+    assert_eq!(fs::read(here.join("notes.mp4")).unwrap(), b"notes");
+    assert_eq!(make("notes.mp4", &["--replace"]), (Some(0), String::new()));
+    assert_eq!(make("notes.mp4", &[]), (Some(0), String::new()));
+    assert_eq!(fs::read_dir(here).unwrap().count(), 5);
+}
+
+/// With a stand-in for ffmpeg that never ends.
+#[test]
+fn a_signal_ends_it_and_leaves_nothing() {
+    let folder = rendered(ROOM);
+    let here = folder.path();
+    let programs = tempfile::tempdir().unwrap();
+    let program = programs.path().join("ffmpeg");
+    let started = programs.path().join("started");
+    fs::write(
+        &program,
+        "#!/bin/sh\necho $$ > \"$STARTED.new\"\nmv \"$STARTED.new\" \"$STARTED\"\nexec sleep 99\n",
+    )
+    .unwrap();
+    let mode = std::os::unix::fs::PermissionsExt::from_mode(0o755);
+    fs::set_permissions(&program, mode).unwrap();
+    let path = format!(
+        "{}:{}",
+        programs.path().display(),
+        std::env::var("PATH").unwrap()
+    );
+    for signal in ["INT", "TERM", "HUP"] {
+        let mut running = script(here)
+            .env("PATH", &path)
+            .env("STARTED", &started)
+            .args(["frames", "v.mp4"])
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let encoder = loop {
+            match fs::read_to_string(&started) {
+                Ok(id) => break id,
+                Err(_) => {
+                    assert_eq!(running.try_wait().unwrap(), None, "ended by itself");
+                    sleep(Duration::from_millis(5));
+                }
+            }
+        };
+        assert_eq!(
+            fs::read_dir(here).unwrap().count(),
+            3,
+            "an unfinished video"
+        );
+        let id = running.id().to_string();
+        assert!(
+            Command::new("kill")
+                .args(["-s", signal, &id])
+                .status()
+                .unwrap()
+                .success()
+        );
+        assert_eq!(running.wait().unwrap().code(), Some(75), "{signal}");
+        assert_eq!(fs::read_dir(here).unwrap().count(), 2, "{signal}");
+        // The system needs a moment to end it.
+        let encoder = Path::new("/proc").join(encoder.trim());
+        while fs::read_to_string(encoder.join("cmdline")).is_ok_and(|line| line.contains("sleep")) {
+            sleep(Duration::from_millis(5));
+        }
+        fs::remove_file(&started).unwrap();
+    }
 }

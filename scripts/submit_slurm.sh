@@ -4,9 +4,10 @@
 #   scripts/submit_slurm.sh SCENE PATH FRAMES_DIR VIDEO.mp4 [options of flythrough render]
 #
 # Submits an array of tasks that render CHUNK frames each, and a job that makes the video once all of them
-# are done. If some fail, the same command picks up: it submits the tasks whose frames are not verified, and a
-# new video job in place of the one that waits. A task that reaches its time limit gives up the frames in
-# flight and is queued again, to go on from there.
+# are done; before them a job that bakes the irradiance cache, if frames need one. If some fail, the same command
+# picks up: it submits the tasks whose frames are not verified, and a new video job; what still waits of the earlier
+# submission is cancelled. A job that reaches its time limit gives up what it is at and is queued again: a task goes on
+# with its next frame, the cache is baked anew.
 #
 # From the environment:
 #   CHUNK=10       frames of a task; more if the array would be larger than the cluster allows
@@ -20,79 +21,127 @@ set -euo pipefail
 
 fail() { echo "submit_slurm: $*" >&2; exit 2; }
 
-[ $# -ge 4 ] || fail "usage: $0 SCENE PATH FRAMES_DIR VIDEO.mp4 [options of flythrough render]"
+[ $# -ge 4 ] || fail "usage: submit_slurm.sh SCENE PATH FRAMES_DIR VIDEO.mp4 [options of flythrough render]"
 command -v sbatch >/dev/null || fail "sbatch is not in \$PATH: is this a machine of the cluster?"
-scripts=$(cd "$(dirname "$0")" && pwd)
-export FLYTHROUGH=${FLYTHROUGH:-$scripts/../target/release/flythrough}
-[ -x "$FLYTHROUGH" ] || FLYTHROUGH=$(command -v flythrough) \
-    || fail "flythrough is neither built (cargo build --release) nor in \$PATH"
-for option in "${@:5}"; do
-    case $option in
-        --frames* | -f* | --force | --prepare* | --out* | -o* | --budget*)
-            fail "$option: what tasks render is for this script to say; --budget knows of one machine only" ;;
-    esac
+scripts=$(cd -- "$(dirname -- "$0")" && pwd)
+FLYTHROUGH=$(type -P -- "${FLYTHROUGH:-$scripts/../target/release/flythrough}") \
+    || FLYTHROUGH=$(type -P -- "${FLYTHROUGH:-flythrough}") \
+    || fail "flythrough is neither built (cargo build --release) nor in \$PATH, or not what \$FLYTHROUGH says"
+export FLYTHROUGH
+chunk=${CHUNK:-10} cpus=${CPUS:-4} most=${MOST:-}
+for number in "$chunk" "$cpus" "${most:-1}"; do
+    [[ $number =~ ^[1-9][0-9]{0,8}$ ]] || fail "CHUNK, CPUS and MOST are whole numbers above 0"
 done
-frames_dir=$3 video=$4
-render=("$FLYTHROUGH" render "$1" "$2" --out "$frames_dir" "${@:5}")
+
+# Whether options say what this script has to. Short ones may stand together, as in -qf0-3, up to one with a value.
+is_reserved() {
+    local letters
+    case $1 in
+        --) return 0 ;;
+        --frames | --force | --prepare | --out | --budget | --preview | --help) return 0 ;;
+        --frames=* | --prepare=* | --out=* | --budget=*) return 0 ;;
+        --* | [!-]*) return 1 ;;
+    esac
+    letters=${1#-}
+    # Of the short options -m, -s and -t take a value, -q takes none.
+    letters=${letters%%[mst]*}
+    [[ $letters == *[foh]* ]]
+}
+for option in "${@:5}"; do
+    ! is_reserved "$option" \
+        || fail "$(LC_ALL=C printf %q "$option"): what tasks render is for this script to say; --budget knows of one machine only"
+done
+# A name that begins with a slash is no option.
+frames_dir=$3
+[[ $frames_dir == /* ]] || frames_dir=$PWD/$frames_dir
+[[ $frames_dir != *\\* ]] || fail "$(LC_ALL=C printf %q "$frames_dir"): Slurm cannot write logs where a name has a backslash"
+# A command of the program: its own options, those of the user, and the inputs, whose names may begin with a hyphen.
+command=("$FLYTHROUGH" render --out="$frames_dir" "${@:5}")
+inputs=(-- "$1" "$2")
 
 # Records the expected frames; frames that are there of something else count as missing from now on.
-"${render[@]}" --prepare sequence
-mkdir -p "$frames_dir/logs"
-entry() { "$FLYTHROUGH" status "$frames_dir" --get "$1"; }
+"${command[@]}" --prepare sequence "${inputs[@]}"
+mkdir -p -- "$frames_dir/logs"
+entry() { "$FLYTHROUGH" status --get "$1" -- "$frames_dir"; }
 count=$(entry frames)
 largest_array=$(scontrol show config | sed -nE 's/^MaxArraySize *= *([0-9]+).*/\1/p')
-chunk=${CHUNK:-10}
 needed=$(( (count + largest_array - 1) / largest_array ))
 [ "$chunk" -ge "$needed" ] || chunk=$needed
-tasks=$("$FLYTHROUGH" missing --quiet "$frames_dir" --format slurm --chunk "$chunk")
+tasks=$("$FLYTHROUGH" missing --quiet --format slurm --chunk "$chunk" -- "$frames_dir")
 
-# A job whose id is printed; the batch script comes on stdin.
+# What waits of an earlier submission: for tasks that failed, or for frames that are made anew.
+jobs=$frames_dir/logs/jobs
+if [ -f "$jobs" ]; then
+    while read -r id; do
+        [[ ! $id =~ ^[0-9]+$ ]] || scancel --quiet --state=PENDING "$id" || true
+    done < "$jobs"
+fi
+: > "$jobs"
+
+# Submits a job by its name, the pattern of its log and options of sbatch, and puts its id into $id. The batch script
+# comes on stdin.
 submit() {
-    local id
-    id=$(sbatch --parsable --requeue --open-mode=append "$@")
-    echo "${id%%;*}"
+    local name=$1 log=$2
+    shift 2
+    id=$(sbatch --parsable --requeue --open-mode=append --job-name="$name" \
+        --output="${frames_dir//\%/%%}/logs/$log" "$@")
+    id=${id%%;*}
+    echo "$id" >> "$jobs"
 }
 quoted() { printf '%q ' "$@"; }
+
+# A batch script that ends a command in time and queues it again: `gently MOST_RESTARTS ID COMMAND`, where ID is the
+# job's for scontrol. ID and COMMAND are text of the script.
+gently() {
+    cat <<JOB
+#!/usr/bin/env bash
+cd -- $(quoted "$PWD") || exit
+end() { [ -z "\$child" ] || kill -TERM "\$child" 2>/dev/null; is_ended=1; }
+child='' is_ended='' is_late=''
+# USR1 comes a minute before the time limit, TERM with scancel.
+trap 'is_late=1; end' USR1
+trap end TERM
+$3 &
+child=\$!
+[ -z "\$is_ended" ] || end
+# A signal ends the first wait; the last one gives the status, however soon the child has ended.
+while kill -0 "\$child" 2>/dev/null; do wait "\$child"; done
+wait "\$child"
+status=\$?
+# What takes longer than the time limit would be begun for ever.
+if [ \$status = 75 ] && [ -n "\$is_late" ]; then
+    [ "\${SLURM_RESTART_COUNT:-0}" -ge $1 ] || exec scontrol requeue "$2"
+    echo "queued again often enough: it needs more time (SBATCH_TIMELIMIT)"
+fi
+exit \$status
+JOB
+}
 
 after=()
 if [ -n "$tasks" ]; then
     if [ "$(entry irradiance_cache)" = true ]; then
-        cache=$(submit --job-name=cache --cpus-per-task="${CPUS:-4}" --output="$frames_dir/logs/cache_%j.log" <<JOB
-#!/usr/bin/env bash
-exec $(quoted "${render[@]}" --prepare cache)
-JOB
-        )
-        after=(--dependency="afterok:$cache" --kill-on-invalid-dep=yes)
+        # shellcheck disable=SC2016 # expanded by the job
+        submit cache cache_%j.log --cpus-per-task="$cpus" --signal=B:USR1@60 \
+            < <(gently 3 '$SLURM_JOB_ID' "$(quoted "${command[@]}" --prepare cache "${inputs[@]}")")
+        after=(--dependency="afterok:$id" --kill-on-invalid-dep=no)
     fi
-    array=$(submit --job-name=render --cpus-per-task="${CPUS:-4}" --array="$tasks${MOST:+%$MOST}" \
-        --signal=B:USR1@60 --output="$frames_dir/logs/render_%A_%a.log" "${after[@]}" <<TASK
-#!/usr/bin/env bash
-first=\$((SLURM_ARRAY_TASK_ID * $chunk))
-last=\$((first + $chunk - 1))
-[ \$last -lt $count ] || last=$((count - 1))
-$(quoted "${render[@]}") --frames \$first-\$last &
-# USR1 comes a minute before the time limit, TERM with scancel.
-trap 'is_late=1; kill -TERM \$!' USR1
-trap 'kill -TERM \$!' TERM
-while wait \$!; status=\$?; kill -0 \$! 2>/dev/null; do :; done
-# A frame that takes longer than the time limit would be begun for ever.
-if [ \$status = 75 ] && [ -n "\${is_late:-}" ] && [ "\${SLURM_RESTART_COUNT:-0}" -lt $chunk ]; then
-    exec scontrol requeue "\${SLURM_ARRAY_JOB_ID}_\$SLURM_ARRAY_TASK_ID"
-fi
-exit \$status
-TASK
-    )
-    after=(--dependency="afterok:$array" --kill-on-invalid-dep=no)
-    echo "frames: job $array, tasks $tasks of $chunk frames"
+    range="first=\$((SLURM_ARRAY_TASK_ID * $chunk)) last=\$((SLURM_ARRAY_TASK_ID * $chunk + $chunk - 1))
+[ \$last -lt $count ] || last=$((count - 1))"
+    # shellcheck disable=SC2016 # expanded by the job
+    submit render render_%A_%a.log --cpus-per-task="$cpus" --signal=B:USR1@60 \
+        --array="$tasks${most:+%$most}" ${after[@]+"${after[@]}"} \
+        < <(gently "$chunk" '${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID' \
+            "$range
+$(quoted "${command[@]}") --frames \$first-\$last $(quoted "${inputs[@]}")")
+    after=(--dependency="afterok:$id" --kill-on-invalid-dep=no)
+    echo "frames: job $id, tasks $tasks of $chunk frames"
 else
     echo "frames: all of them are verified"
 fi
 
-# The video job of an earlier submission waits for tasks that failed, or for frames that are made anew.
-waiting=$frames_dir/logs/video.job
-[ ! -f "$waiting" ] || scancel --quiet "$(cat "$waiting")" || true
-submit --job-name=video --output="$frames_dir/logs/video_%j.log" "${after[@]}" > "$waiting" <<JOB
+submit video video_%j.log ${after[@]+"${after[@]}"} <<JOB
 #!/usr/bin/env bash
-exec $(quoted "$scripts/make_video.sh" "$frames_dir" "$video")
+cd -- $(quoted "$PWD") || exit
+exec $(quoted "$scripts/make_video.sh" -- "$frames_dir" "$4")
 JOB
-echo "video: job $(cat "$waiting")"
+echo "video: job $id"

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Starts a Slurm of this machine alone, renders on it by scripts/submit_slurm.sh while one task is killed and
-# another runs out of time, picks up what is missing, and compares the frames with those of a local run.
+# Starts a Slurm of this machine alone, renders on it by scripts/submit_slurm.sh while the job of the irradiance cache
+# and a task run out of time and another task is killed, picks up what is missing, and compares the frames with those
+# of a local run. All names hold what a shell, sbatch or ffmpeg might take for something else.
 #
 # Needs root, and Debian's munge, slurmctld, slurmd, slurm-client and ffmpeg.
 #
@@ -9,14 +10,17 @@
 # The local run's frames are kept in the folder LOCAL, and taken from there if they are there.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
+repository=$PWD
 
 fail() { echo "slurm: $*" >&2; exit 1; }
 
 dir=$(mktemp -d)
+name=$'-it\'s 100%A%%\n"$(touch RUN)" *é'
+frames=$name.frames video=$name.mp4
 stop() {
     status=$?
     # Its log tells why a cluster did not start.
-    [ $status = 0 ] || tail -n 30 "$dir"/*.log "$dir"/frames/logs/* >&2 || true
+    [ $status = 0 ] || tail -n 30 "$dir"/*.log "$dir/$frames"/logs/* >&2 || true
     for daemon in slurmctld slurmd munged; do
         [ ! -f "$dir/$daemon.pid" ] || kill "$(cat "$dir/$daemon.pid")" || true
     done
@@ -34,7 +38,7 @@ chmod 400 "$dir/munge/key"
 munged --force --key-file="$dir/munge/key" --socket="$dir/munge/socket" --seed-file="$dir/munge/seed" \
     --pid-file="$dir/munged.pid" --log-file="$dir/munged.log"
 
-# Queued again, a job waits for its credentials to expire: 10 s, not 120.
+# Queued again, a job waits for its credentials to expire, 10 s, not 120, and for the next look at the queue, 1 s, not 60.
 host=$(hostname -s)
 cat > "$dir/slurm.conf" <<CONF
 ClusterName=test
@@ -53,6 +57,7 @@ SlurmdLogFile=$dir/slurmd.log
 ProctrackType=proctrack/pgid
 TaskPlugin=task/none
 SchedulerType=sched/builtin
+SchedulerParameters=sched_interval=1
 SelectType=select/cons_tres
 SelectTypeParameters=CR_CPU
 MaxArraySize=8
@@ -77,39 +82,55 @@ until_so() {
 is_up() { [ "$(sinfo --noheader --format=%t 2>/dev/null)" = idle ]; }
 until_so "the cluster is idle" is_up
 
-export FLYTHROUGH=$PWD/target/release/flythrough
-input=(scenes/test2.ron paths/zoom.ron)
+export FLYTHROUGH=$repository/target/release/flythrough
 options=(--mode montecarlo --size 128x72 --samples 32)
 local=${1:-$dir/local}
-"$FLYTHROUGH" render "${input[@]}" --out "$local" "${options[@]}" --quiet
+"$FLYTHROUGH" render scenes/test2.ron paths/zoom.ron --out "$local" "${options[@]}" --quiet
+local=$(cd "$local" && pwd)
 
-frames=$dir/frames video=$dir/zoom.mp4
+cd "$dir"
+cp "$repository/scenes/test2.ron" "./$name.ron"
+cp "$repository/paths/zoom.ron" "./$name.path"
+ln -s "$repository/scenes/models" "$repository/scenes/textures" .
 submit() {
-    CHUNK=5 CPUS=1 scripts/submit_slurm.sh "${input[@]}" "$frames" "$video" "${options[@]}"
+    CHUNK=5 CPUS=1 "$repository/scripts/submit_slurm.sh" "$name.ron" "$name.path" "$frames" "$video" \
+        "${options[@]}" "$@"
 }
+for option in -f3 -qf0-3 --out=x -ofoo --frames=3 --budget=1h --force -- -hq; do
+    if submit "$option" >/dev/null 2>&1; then fail "$option is not refused"; fi
+done
+[ ! -e "$frames" ] || fail "a refused option has made a folder"
 submit
-# Of 55 frames an array of 8 holds chunks of 7.
+# Processes of this test alone: other tests of the machine have other folders.
+process() { pgrep -f "render --out=$dir/.* $1 "; }
+restarts_once() { [ "$(scontrol show job "$1" | sed -nE 's/.*Restarts=([0-9]+).*/\1/p')" = 1 ]; }
+# What Slurm does a minute before a job's time is over; its shortest time is a minute, too.
+run_out_of_time() { kill -USR1 "$(ps -o ppid= -p "$(process "$1")" | tr -d ' ')"; }
+is_baking() { process "--prepare cache" >/dev/null; }
+cache=$(squeue --noheader --name=cache --format=%F)
+until_so "the cache is baked" is_baking
+run_out_of_time "--prepare cache"
+until_so "the job of the cache is queued again" restarts_once "$cache"
 array=$(squeue --noheader --name=render --format=%F | head -n 1)
-is_rendering() { pgrep -f "render .* --frames $1" >/dev/null && [ -f "$frames/frame_$2.png" ]; }
+is_rendering() { process "--frames $1" >/dev/null && [ -f "$frames/frame_$2.png" ]; }
 until_so "the third task is rendering" is_rendering 14-20 00014
-pkill -KILL -f "render .* --frames 14-20"
+kill -KILL "$(process "--frames 14-20")"
 until_so "the fourth task is rendering" is_rendering 21-27 00021
-# What Slurm does a minute before a task's time is over; its shortest time is a minute, too.
-kill -USR1 "$(ps -o ppid= -p "$(pgrep -f "render .* --frames 21-27")")"
-was_queued_again() { [ "$(scontrol show job "${array}_3" | sed -nE 's/.*Restarts=([0-9]+).*/\1/p')" = 1 ]; }
-until_so "the fourth task is queued again" was_queued_again
+run_out_of_time "--frames 21-27"
+until_so "the fourth task is queued again" restarts_once "${array}_3"
 is_over() { [ "$(squeue --noheader --name=render --states=all --format=%T | grep -vcE 'COMPLETED|FAILED')" = 0 ]; }
 until_so "all tasks are over" is_over
 
-[ "$("$FLYTHROUGH" missing --quiet "$frames" --format slurm --chunk 7)" = 2 ] || fail "other tasks than the third failed"
-[ ! -e "$video" ] || fail "there is a video of frames that are missing"
+[ "$("$FLYTHROUGH" missing --quiet --format slurm --chunk 7 -- "$frames")" = 2 ] || fail "other tasks than the third failed"
+[ ! -e "./$video" ] || fail "there is a video of frames that are missing"
 submit
-until_so "the video is made" test -f "$video"
-"$FLYTHROUGH" verify --quiet "$frames"
+until_so "the video is made" test -f "./$video"
+"$FLYTHROUGH" verify --quiet -- "$frames"
 for frame in "$local"/frame_*; do
-    cmp "$frame" "$frames/${frame##*/}"
+    cmp "$frame" "./$frames/${frame##*/}"
 done
-grep -q interrupted "$frames/logs/render_${array}_3.log" || fail "the fourth task was not interrupted"
+grep -q interrupted -- "$frames/logs/render_${array}_3.log" || fail "the fourth task was not interrupted"
 [[ $(submit) == *"all of them are verified"* ]] || fail "verified frames are submitted again"
-until_so "the second video is made" test "$video" -nt "$frames/logs/video.job"
-echo "slurm: one task killed, one out of time, all frames as of a local run"
+until_so "the second video is made" test "./$video" -nt "$frames/logs/jobs"
+[ -z "$(find . -name RUN)" ] || fail "a name was run"
+echo "slurm: cache and one task out of time, one task killed, all frames as of a local run"

@@ -84,7 +84,8 @@ pub(super) fn say(line: fmt::Arguments) {
 
 /// Prints the error that ends the program.
 pub(super) fn complain(error: impl fmt::Display) {
-    eprintln!("flythrough: {}", visible(error));
+    // Nobody may be left to read it.
+    let _ = writeln!(io::stderr(), "flythrough: {}", visible(error));
 }
 
 /// The mean and the worst of the errors of frames; none where there are none. `place` is the relation of an error to its
@@ -112,6 +113,6 @@ pub(super) fn say_waiting(lock: &Path) {
 /// Prints a line for each warning.
 pub(super) fn warn(warnings: &[String]) {
     for warning in warnings {
-        eprintln!("warning: {}", visible(warning));
+        let _ = writeln!(io::stderr(), "warning: {}", visible(warning));
     }
 }

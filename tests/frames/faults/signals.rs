@@ -42,7 +42,7 @@ fn every_signal_ends_a_frame_of_many_paths() {
         let out = batch.folder.path().join(format!("{sent:?}"));
         let mut child = batch.start(&out, &more);
         wait_until(&mut child, "a part file", || {
-            out.is_dir() && !partial_files(&out).is_empty()
+            out.join("sequence.ron").is_file() && !partial_files(&out).is_empty()
         });
         signal(&child, sent);
         let output = ends(child);

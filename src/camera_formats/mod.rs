@@ -16,5 +16,5 @@ pub use export_error::ExportError;
 pub use import::{CameraImport, import_cameras};
 pub use table::camera_table;
 
-/// The most frames of a path: eleven hours at 24 frames per second.
-const MAX_FRAMES: u32 = 1_000_000;
+/// The most frames of a path: more than a video of a day has.
+const MAX_FRAMES: u32 = 10_000_000;

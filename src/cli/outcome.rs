@@ -2,6 +2,7 @@
 
 use crate::render::ErrorEstimate;
 use crate::text::visible;
+use rustix::io::Errno;
 use std::error::Error;
 use std::fmt;
 use std::fs;
@@ -40,7 +41,7 @@ impl Status {
         let mut causes = successors(Some(error), |&error| error.source());
         let system = causes.find_map(|cause| cause.downcast_ref::<io::Error>());
         match system {
-            Some(error) if error.raw_os_error().is_some() && !is_lasting(error.kind()) => {
+            Some(error) if error.raw_os_error().is_some() && !is_lasting(error) => {
                 Status::SomeFailed
             }
             _ => Status::BadInput,
@@ -49,9 +50,10 @@ impl Status {
 }
 
 /// Whether what the system says is about what was asked for, and stays so.
-fn is_lasting(kind: ErrorKind) -> bool {
-    matches!(
-        kind,
+fn is_lasting(error: &io::Error) -> bool {
+    let is_loop = error.raw_os_error() == Some(Errno::LOOP.raw_os_error());
+    let is_of_kind = matches!(
+        error.kind(),
         ErrorKind::NotFound
             | ErrorKind::PermissionDenied
             | ErrorKind::AlreadyExists
@@ -62,7 +64,8 @@ fn is_lasting(kind: ErrorKind) -> bool {
             | ErrorKind::InvalidInput
             | ErrorKind::InvalidFilename
             | ErrorKind::Unsupported
-    )
+    );
+    is_loop || is_of_kind
 }
 
 /// Refuses to write over a file, unless that is allowed.

@@ -48,8 +48,8 @@ pub(super) const CACHE_FILE: &str = "irradiance.cache";
 /// The first row of the table of errors.
 pub(super) const ERROR_TABLE_HEADER: &str = "frame,relMSE,low,high\n";
 
-/// The most bytes that the program reads of a text file that it wrote: a million frames take less.
-pub(super) const MAX_TEXT: u64 = 1 << 28;
+/// The most bytes that the program reads of a text file that it wrote: ten million frames take less.
+pub(super) const MAX_TEXT: u64 = 1 << 31;
 
 /// The name of the file of a frame.
 pub(super) fn frame_name(frame: u32, format: FrameFormat) -> String {

@@ -19,6 +19,9 @@ use crate::render::{
 use rayon::ThreadPool;
 use std::path::{Path, PathBuf};
 
+/// About the memory that a frame of the path takes before it is rendered: its camera, hashes and records.
+const BYTES_PER_FRAME: u64 = 800;
+
 /// A job resolved: all that decides the frames of a sequence.
 #[derive(Debug)]
 pub struct Job {
@@ -64,6 +67,13 @@ impl Job {
         let given = adjust(inputs.settings(spec.settings.clone()));
         given.check_together()?;
         let settings = given.resolve(inputs.frame_count());
+        let frames = inputs.frame_count();
+        let need = BYTES_PER_FRAME * u64::from(frames);
+        check_room(
+            &format!("a path of {frames} frames"),
+            need,
+            "choose a lower fps, or split the path",
+        )?;
         let need = FRAMES_IN_FLIGHT as u64 * frame_memory(&settings)[1];
         let (width, height) = (settings.width, settings.height);
         check_room(

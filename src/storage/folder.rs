@@ -2,9 +2,6 @@
 
 use super::error::FileError;
 use super::input_file::{read_regular, regular};
-use super::lock::{FileLock, WaitListener};
-use super::part_file::PartFile;
-use super::temporary_file::remove_leftovers;
 use rustix::fs::{
     AtFlags, Dir, FileType, Mode, OFlags, fstat, open, openat, renameat, statat, unlinkat,
 };
@@ -16,7 +13,6 @@ use std::os::fd::OwnedFd;
 use std::os::unix::ffi::OsStringExt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Duration;
 
 /// An open folder. Its files are accessed by their names in it, wherever the folder may be moved; links among them are
 /// not followed.
@@ -191,38 +187,5 @@ impl Folder {
     /// Brings the names of all files to the disk, where the file system knows how.
     pub fn sync(&self) -> io::Result<()> {
         Ok(rustix::fs::fsync(&self.fd)?)
-    }
-
-    /// Writes a file atomically: it exists whole or not at all, even if the machine stops meanwhile. What has its name
-    /// is replaced.
-    pub fn write_atomic(&self, name: impl AsRef<OsStr>, bytes: &[u8]) -> Result<(), FileError> {
-        self.part_file(name)?.finish(bytes)
-    }
-
-    /// Begins a file that takes its name when it is finished.
-    pub fn part_file(&self, name: impl AsRef<OsStr>) -> Result<PartFile, FileError> {
-        PartFile::new(self, name.as_ref())
-    }
-
-    /// The lock on a file, none if another process holds it. See [`FileLock`].
-    pub fn lock(&self, name: impl AsRef<OsStr>) -> Result<Option<FileLock>, FileError> {
-        FileLock::try_new(self, name.as_ref())
-    }
-
-    /// The lock on a file, for which it waits up to `timeout`, none after that: another process may hang. The listener
-    /// hears of it once if the lock is not free at first.
-    pub fn lock_with_timeout(
-        &self,
-        name: impl AsRef<OsStr>,
-        timeout: Duration,
-        listener: WaitListener,
-    ) -> Result<Option<FileLock>, FileError> {
-        FileLock::wait(self, name.as_ref(), timeout, listener)
-    }
-
-    /// Removes the unfinished files that killed processes left, of files whose names begin with one of `names`. What
-    /// cannot be removed stays.
-    pub fn remove_leftovers(&self, names: &[&str]) -> Result<(), FileError> {
-        remove_leftovers(self, names)
     }
 }

@@ -22,6 +22,24 @@ pub struct FileLock {
     _file: Option<TemporaryFile>,
 }
 
+impl Folder {
+    /// The lock on a file, none if another process holds it. See [`FileLock`].
+    pub fn lock(&self, name: impl AsRef<OsStr>) -> Result<Option<FileLock>, FileError> {
+        FileLock::try_new(self, name.as_ref())
+    }
+
+    /// The lock on a file, for which it waits up to `timeout`, none after that: another process may hang. The listener
+    /// hears of it once if the lock is not free at first.
+    pub fn lock_with_timeout(
+        &self,
+        name: impl AsRef<OsStr>,
+        timeout: Duration,
+        listener: WaitListener,
+    ) -> Result<Option<FileLock>, FileError> {
+        FileLock::wait(self, name.as_ref(), timeout, listener)
+    }
+}
+
 impl FileLock {
     pub(super) fn try_new(folder: &Folder, name: &OsStr) -> Result<Option<FileLock>, FileError> {
         let lock = hidden(name, LOCK);

@@ -77,6 +77,19 @@ impl PartFile {
     }
 }
 
+impl Folder {
+    /// Writes a file atomically: it exists whole or not at all, even if the machine stops meanwhile. What has its name
+    /// is replaced.
+    pub fn write_atomic(&self, name: impl AsRef<OsStr>, bytes: &[u8]) -> Result<(), FileError> {
+        self.part_file(name)?.finish(bytes)
+    }
+
+    /// Begins a file that takes its name when it is finished.
+    pub fn part_file(&self, name: impl AsRef<OsStr>) -> Result<PartFile, FileError> {
+        PartFile::new(self, name.as_ref())
+    }
+}
+
 /// Writes a file atomically: see [`Folder::write_atomic`].
 pub fn write_atomic(file: &Path, bytes: &[u8]) -> Result<(), FileError> {
     PartFile::of_file(file)?.finish(bytes)

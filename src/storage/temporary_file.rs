@@ -108,21 +108,25 @@ impl Drop for TemporaryFile {
     }
 }
 
-/// Removes what killed processes left, of files whose names begin with one of `names`.
-pub(super) fn remove_leftovers(folder: &Folder, names: &[&str]) -> Result<(), FileError> {
-    for name in folder.names()? {
-        let text = name.to_string_lossy();
-        let of = text
-            .strip_prefix('.')
-            .filter(|of| of.ends_with(PART) || of.ends_with(LOCK));
-        let is_own = of.is_some_and(|of| names.iter().any(|name| of.starts_with(name)));
-        // Only the holder of the lock may remove the file.
-        if is_own
-            && folder.is_regular(&name)
-            && let Ok(Opened::Locked(leftover)) = TemporaryFile::open(folder, &name, OFlags::WRONLY)
-        {
-            drop(leftover);
+impl Folder {
+    /// Removes the unfinished files that killed processes left, of files whose names begin with one of `names`. What
+    /// cannot be removed stays.
+    pub fn remove_leftovers(&self, names: &[&str]) -> Result<(), FileError> {
+        for name in self.names()? {
+            let text = name.to_string_lossy();
+            let of = text
+                .strip_prefix('.')
+                .filter(|of| of.ends_with(PART) || of.ends_with(LOCK));
+            let is_own = of.is_some_and(|of| names.iter().any(|name| of.starts_with(name)));
+            // Only the holder of the lock may remove the file.
+            if is_own
+                && self.is_regular(&name)
+                && let Ok(Opened::Locked(leftover)) =
+                    TemporaryFile::open(self, &name, OFlags::WRONLY)
+            {
+                drop(leftover);
+            }
         }
+        Ok(())
     }
-    Ok(())
 }

@@ -109,7 +109,10 @@ fn names_of_files_and_folders() {
     let record = fs::read_to_string(frames.join("sequence.ron")).unwrap();
     let start = record.find("build: \"").unwrap() + "build: \"".len();
     let end = start + record[start..].find('"').unwrap();
-    let forged = format!("{}{HOSTILE}{}", &record[..start], &record[end..]);
+    let comment = "\n// blake3 of the lines above: ";
+    let (rest, _) = record[end..].split_once(comment).unwrap();
+    let forged = format!("{}{HOSTILE}{rest}", &record[..start]);
+    let forged = format!("{forged}{comment}{}\n", blake3::hash(forged.as_bytes()));
     fs::write(frames.join("sequence.ron"), forged).unwrap();
     assert_shows(here, &["status", HOSTILE], 0, SHOWN);
     assert_shows(here, &["status", HOSTILE, "--get", "build"], 0, SHOWN);

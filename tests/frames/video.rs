@@ -218,7 +218,7 @@ fn the_frame_rate_is_that_of_the_path() {
     assert_eq!(output.status.code(), Some(3));
     let message = stderr(&output);
     assert!(
-        message.contains("records 12 frames at 12 per second"),
+        message.contains("12 frames per second instead of 24"),
         "{message}"
     );
     assert!(!video.exists());

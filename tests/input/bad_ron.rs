@@ -192,7 +192,7 @@ fn numbers() {
     let (status, message) = check("Scene(objects: [])", long, &[]);
     assert_eq!(status, Some(2), "{message}");
     assert!(
-        message.contains("p.ron: fps: gives more than 1000000 frames"),
+        message.contains("p.ron: fps: gives more than 10000000 frames"),
         "{message}"
     );
 }

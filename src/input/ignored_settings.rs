@@ -35,7 +35,7 @@ impl Settings {
                 ignore("seed", self.seed.is_some() && !is_random, no_chance.clone());
                 ignore(
                     "lock_seed",
-                    self.lock_seed.is_some() && !is_random,
+                    self.lock_seed == Some(true) && !is_random,
                     no_chance,
                 );
             }
@@ -85,7 +85,7 @@ impl Settings {
             ("splits", self.splits.is_some()),
             ("gi", self.gi.is_some()),
             ("seed", self.seed.is_some()),
-            ("lock_seed", self.lock_seed.is_some()),
+            ("lock_seed", self.lock_seed == Some(true)),
         ];
         let given = given.into_iter().filter(|(_, is_given)| *is_given);
         given.map(|(key, _)| key).collect()

@@ -71,8 +71,8 @@ pub(super) fn closed_bodies(scene: &Scene) -> Vec<ClosedBody> {
 }
 
 impl ClosedBody {
-    /// Whether a point in scene space is inside: an odd number of triangles is in each of some directions. None if these
-    /// disagree, as they may within rounding of the surface.
+    /// Whether a point in scene space is inside: an odd number of triangles is in each of some directions. None if
+    /// these disagree, as they may within rounding of the surface.
     pub(super) fn contains(&self, scene: &Scene, point: DVec3) -> Option<bool> {
         let [min, max] = [self.bounds.min, self.bounds.max].map(Vec3::as_dvec3);
         if point.cmplt(min).any() || point.cmpgt(max).any() {

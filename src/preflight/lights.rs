@@ -12,16 +12,19 @@ pub(super) fn find(scene: &Scene, integrator: &IntegratorSettings) -> Vec<SceneW
     let [has_ambient, has_background] =
         [scene.ambient, scene.background].map(|color| color != Vec3::ZERO);
     // Ray tracing looks at the background only straight ahead and in mirrors.
-    let gathers = !matches!(integrator, IntegratorSettings::Whitted { .. });
-    let materials = scene.used_materials().into_iter();
-    let mut materials = materials.map(|id| &scene.materials()[id]);
-    let has_mirrors = materials.any(|material| material.reflective != Vec3::ZERO);
+    let gathers =
+        !matches!(integrator, IntegratorSettings::Whitted { .. }) && integrator.bounces() > 0;
+    let shades = |id: usize| {
+        let material = &scene.materials()[id];
+        (Vec3::ONE - material.reflective) * (material.diffuse + material.specular) != Vec3::ZERO
+    };
+    let needs_light = !gathers && scene.used_materials().into_iter().any(shades);
     let has_shapes = scene.triangle_count() + scene.sphere_count() > 0;
     let unlit = match (has_ambient, has_background) {
         _ if !is_unlit || !has_shapes => None,
         (false, false) => Some(SceneWarning::Black),
-        (false, true) if !gathers && !has_mirrors => Some(SceneWarning::BlackSurfaces),
-        (true, _) if !gathers && !has_mirrors => Some(SceneWarning::AmbientOnly),
+        (false, true) if needs_light => Some(SceneWarning::BlackSurfaces),
+        (true, _) if needs_light => Some(SceneWarning::AmbientOnly),
         _ => None,
     };
     let dark = (!dark.is_empty()).then_some(SceneWarning::DarkLights { lights: dark });
@@ -32,6 +35,8 @@ pub(super) fn find(scene: &Scene, integrator: &IntegratorSettings) -> Vec<SceneW
 mod tests {
     use super::super::fixtures::{hall, lamp, lit_scene};
     use super::*;
+    use crate::material::Material;
+    use crate::scene::SceneBuilder;
     use glam::DVec3;
 
     const RAY_TRACED: IntegratorSettings = IntegratorSettings::Whitted { bounces: 4 };
@@ -62,11 +67,27 @@ mod tests {
             [SceneWarning::BlackSurfaces]
         );
         assert_eq!(found(0.0, 1.0, &[], &CACHED), []);
+        let direct = IntegratorSettings::Cached { bounces: 0 };
+        assert_eq!(found(0.0, 1.0, &[], &direct), [SceneWarning::BlackSurfaces]);
         assert_eq!(
             found(1.0, 0.0, &[], &RAY_TRACED),
             [SceneWarning::AmbientOnly]
         );
         assert_eq!(found(1.0, 0.0, &[], &CACHED), []);
+    }
+
+    #[test]
+    fn mirrors_need_no_light() {
+        let builder = SceneBuilder {
+            background: Vec3::ONE,
+            materials: vec![Material {
+                reflective: Vec3::ONE,
+                ..Material::lambert(Vec3::ONE)
+            }],
+            meshes: vec![hall()],
+            ..SceneBuilder::default()
+        };
+        assert_eq!(find(&builder.build().0, &RAY_TRACED), []);
     }
 
     #[test]

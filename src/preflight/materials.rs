@@ -32,8 +32,8 @@ pub(super) fn find(scene: &Scene, names: &SceneNames) -> Vec<SceneWarning> {
 }
 
 /// The fraction of light along the normal that a material reflects over the hemisphere, in each channel: of a highlight
-/// of weight ks and exponent n it is ks / pi times the integral of cos^(n + 1), 2 ks / (n + 2). The mirror takes its part
-/// from the base layer.
+/// of weight ks and exponent n it is ks / pi times the integral of cos^(n + 1), 2 ks / (n + 2). The mirror takes its
+/// part from the base layer.
 fn reflectance(material: &Material, texture: DVec3) -> DVec3 {
     let [diffuse, specular, mirror] =
         [material.diffuse, material.specular, material.reflective].map(Vec3::as_dvec3);

@@ -104,7 +104,7 @@ mod tests {
         let only_nothing = |path: &CameraPath, frames: u32| {
             let found = preflight(&nothing, path, 1280, 720, 0.1);
             assert_eq!(found.len(), 1, "{found:?}");
-            assert!(matches!(found[0].kind, WarningKind::SeesNothing { .. }));
+            assert_eq!(found[0].kind, WarningKind::EmptyScene);
             assert_eq!(found[0].frames, FrameRuns::of(0..frames));
         };
         for path in [walk(far, far), walk(far, far + DVec3::X)] {

@@ -28,8 +28,11 @@ pub(super) fn find(scene: &Scene, frames: &FrameCameras, size: DVec2) -> Vec<Pat
     let blind: Vec<u32> = blind.map(|frame| frame as u32).collect();
     let warning = (!blind.is_empty()).then(|| PathWarning {
         frames: FrameRuns::of(blind),
-        kind: WarningKind::SeesNothing {
-            scene: scene.origin,
+        kind: match scene.triangle_count() + scene.sphere_count() {
+            0 => WarningKind::EmptyScene,
+            _ => WarningKind::SeesNothing {
+                scene: scene.origin,
+            },
         },
     });
     warning.into_iter().collect()
@@ -58,28 +61,49 @@ fn misses(
     })
 }
 
-/// The part of the film onto which the box around the scene is projected; none outside the film.
+/// The part of the film onto which the box around the scene is projected; none where the box is outside the film.
 fn within(scene: &Scene, camera: &Camera, size: DVec2) -> Option<[DVec2; 2]> {
     let bounds = scene.bounds();
     if bounds.min.x > bounds.max.x {
         return None;
     }
     let [min, max] = [bounds.min, bounds.max].map(|corner| scene.origin + corner.as_dvec3());
-    let corner = |i: u8| DVec3::select(BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), max, min);
-    let corners: Option<Vec<DVec2>> = (0..8).map(|i| camera.project(size, corner(i))).collect();
+    let is_max = |i: u8| BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0);
+    let corners: [DVec3; 8] = std::array::from_fn(|i| DVec3::select(is_max(i as u8), max, min));
+    // Beyond one side of the pyramid of the camera's rays.
+    let half = DVec2::new(size.x / size.y, 1.0) * camera.half_height;
+    let is_beyond = |side: DVec3| {
+        let to_camera = camera.rotation.transpose();
+        let depth = |corner: &DVec3| (to_camera * (corner - camera.position)).dot(side);
+        corners.iter().all(|corner| depth(corner) > 0.0)
+    };
+    let [x, y] = half.to_array();
+    let sides = [
+        DVec3::Z,
+        DVec3::new(1.0, 0.0, x),
+        DVec3::new(-1.0, 0.0, x),
+        DVec3::new(0.0, 1.0, y),
+        DVec3::new(0.0, -1.0, y),
+    ];
+    if sides.into_iter().any(is_beyond) {
+        return None;
+    }
     // A box that is partly behind the camera may be anywhere.
-    let Some(corners) = corners else {
+    let projected = corners.map(|corner| camera.project(size, corner));
+    let projected: Option<Vec<DVec2>> = projected.into_iter().collect();
+    let Some(projected) = projected else {
         return Some([DVec2::ZERO, size]);
     };
-    let first = corners.iter().copied().reduce(DVec2::min)?.max(DVec2::ZERO);
-    let last = corners.iter().copied().reduce(DVec2::max)?.min(size);
-    first.cmple(last).all().then_some([first, last])
+    let first = projected.iter().copied().reduce(DVec2::min)?;
+    let last = projected.iter().copied().reduce(DVec2::max)?;
+    Some([first.max(DVec2::ZERO), last.min(size)])
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::fixtures::{cuboid, hall, open_shot, scene, still};
     use super::*;
+    use crate::sampling::Random;
 
     const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
 
@@ -105,6 +129,34 @@ mod tests {
         assert_eq!(blind(&room, DVec3::Y, &directions), Vec::<[u32; 2]>::new());
         let nothing = scene(vec![], &[]);
         assert_eq!(blind(&nothing, DVec3::Y, &directions), [[0, 4]]);
+    }
+
+    /// The part of the film is no smaller than the scene, by the projections of random points in its box.
+    #[test]
+    fn the_box_of_the_scene_is_within_its_part_of_the_film() {
+        let mut random = Random::new(2);
+        let (mut none, mut some) = (0, 0);
+        for _ in 0..500 {
+            let [a, b] = [random.point(), random.point()].map(|p| 5.0 * p);
+            let (min, max) = (a.min(b), a.max(b) + 1e-3);
+            let scene = scene(vec![cuboid(min, max)], &[]);
+            let camera = still(9.0 * random.point(), random.point());
+            let part = within(&scene, &camera, SIZE);
+            *(if part.is_some() { &mut some } else { &mut none }) += 1;
+            for _ in 0..50 {
+                let at = DVec3::from_array([(); 3].map(|()| random.unit().into()));
+                let film = camera.project(SIZE, min + at * (max - min));
+                let on_film =
+                    |film: &DVec2| film.cmpge(DVec2::ZERO).all() && film.cmple(SIZE).all();
+                let Some(film) = film.filter(on_film) else {
+                    continue;
+                };
+                let [first, last] = part.expect("part of the film");
+                let is_in = film.cmpge(first - 1e-2).all() && film.cmple(last + 1e-2).all();
+                assert!(is_in, "{film} {first} {last}");
+            }
+        }
+        assert!(none > 50 && some > 50, "{none} {some}");
     }
 
     #[test]

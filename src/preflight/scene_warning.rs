@@ -24,8 +24,8 @@ pub enum SceneWarning {
     Black,
     /// No light and no ambient light in a mode that does not gather light of the background.
     #[error(
-        "there are no lights that shine, and ambient is 0: surfaces are black before the background; add `lights`, or choose a \
-         montecarlo mode"
+        "there are no lights that shine, and ambient is 0: surfaces are black, but for what mirrors show; \
+         add `lights`, or choose a montecarlo mode"
     )]
     BlackSurfaces,
     /// Nothing but ambient light in a mode that does not gather light.

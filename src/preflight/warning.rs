@@ -36,6 +36,9 @@ pub enum WarningKind {
         /// The middle of most of the scene, in world coordinates.
         scene: DVec3,
     },
+    /// There is nothing to see.
+    #[error("the scene has no surfaces, so only the background is seen: add `objects`")]
+    EmptyScene,
     /// A path of several keyframes that lasts no more than a frame.
     #[error(
         "the path lasts {} s, less than a frame at {} per second, in spite of {keys} keyframes; check `time` and `fps`",

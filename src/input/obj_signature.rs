@@ -109,13 +109,14 @@ pub(super) fn check_bytes(file: &Path, bytes: &[u8]) -> Result<(), InputError> {
     let is_control = |byte: &u8| *byte < b' ' && !matches!(byte, 9..=13 | 0x1a | 0x1b);
     let controls = bytes.iter().filter(|&byte| is_control(byte)).count();
     // UTF-16 is refused later, with advice of its own.
-    match MAX_CONTROLS * controls > bytes.len() && !is_utf16(bytes) {
-        true => refuse(file, "binary data"),
-        false => Ok(()),
+    let is_text = controls <= 1 || MAX_CONTROLS * controls <= bytes.len() || is_utf16(bytes);
+    if is_text {
+        return Ok(());
     }
+    refuse(file, "binary data")
 }
 
-/// One control character in so many bytes may be a slip in a comment.
+/// One control character, or one in so many bytes, may be a slip in a comment.
 const MAX_CONTROLS: usize = 64;
 
 /// Whether bytes begin with the mark of UTF-16, or every other one is 0, as in Latin text.

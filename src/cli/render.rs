@@ -123,15 +123,12 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         choose_samples(&mut job, budget, &out, may_replace, arguments.quiet)?;
     }
     let folder = FrameFolder::new(&out, job.sequence(&out)?, arguments.force);
-    let prepare = |folder: &FrameFolder| {
-        if !may_replace {
-            folder.check_unoccupied()?;
-        }
-        folder.prepare()
-    };
+    if !may_replace {
+        folder.check_unoccupied()?;
+    }
     if arguments.prepare == Some(PrepareArgument::Sequence) {
         arguments.warn_of(&job, &frames);
-        prepare(&folder)?;
+        folder.prepare()?;
         return Ok(Status::Done);
     }
     let mut missing = match arguments.force {
@@ -139,7 +136,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         false => (job.inputs().pool).install(|| missing(&folder, &frames, arguments.quiet)),
     };
     if !missing.is_empty() || !folder.has_its_sequence() {
-        prepare(&folder)?;
+        folder.prepare()?;
     }
     let strays = strays(&folder, arguments)?;
     warn(&strays);

@@ -10,8 +10,10 @@
 #   --replace      overwrite VIDEO even if it is none that this script has made
 #   --as-recorded  verify frames against what was recorded when they were rendered, if their inputs are gone
 #
-# The video is H.264 in MP4, QuickTime (.mov) or Matroska (.mkv). It appears under its name when it is complete. Exit status: 0 success, 2 wrong usage, 3 frames are not verified or have changed, or ffmpeg failed;
-# 75 interrupted.
+# The video is H.264 in MP4, QuickTime (.mov) or Matroska (.mkv). It appears under its name when it is complete.
+#
+# Exit status: 0 success; 2 wrong usage, or inputs that cannot be loaded; 3 frames are not verified or have changed, or
+# ffmpeg failed; 75 interrupted.
 #
 # The program is $FLYTHROUGH, else the one that was built beside this script, else the one in $PATH.
 set -euo pipefail
@@ -27,11 +29,11 @@ shown() {
 
 child='' unfinished=''
 interrupted() {
-    trap '' INT TERM HUP
+    trap '' INT TERM HUP USR1
     [ -z "$child" ] || kill -KILL "$child" 2>/dev/null || true
     exit 75
 }
-trap interrupted INT TERM HUP
+trap interrupted INT TERM HUP USR1
 trap '[ -z "$unfinished" ] || rm -f -- "$unfinished"' EXIT
 # Runs a program such that a signal does not wait for its end.
 run() {

@@ -20,6 +20,23 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Called with the progress, from 0 to 1, and the current stage.
 pub type Listener<'a> = &'a (dyn Fn(f64, &'static str) + Sync);
 
+/// The part of the work that is done when the records are placed, when the secondary ones are gathered, and when all
+/// are: about what the shipped scenes take.
+const PLACED: f64 = 0.07;
+const SECONDARY_GATHERED: f64 = 0.2;
+pub(super) const GATHERED: f64 = 0.9;
+
+/// Calls `report` with the part of `all` that is done, for some of the times that it is called.
+fn counter(all: usize, report: impl Fn(f64) + Sync) -> impl Fn() + Sync {
+    let done = AtomicUsize::new(0);
+    move || {
+        let before = done.fetch_add(1, Ordering::Relaxed);
+        if before.is_multiple_of(256) {
+            report(before as f64 / all as f64);
+        }
+    }
+}
+
 /// Of records that the camera sees directly.
 const PRIMARY: Spacing = Spacing {
     relative_radius: 0.3,
@@ -238,12 +255,11 @@ impl BakeState {
         reserve: &mut impl FnMut(u64) -> Result<(), E>,
     ) -> Result<(), E> {
         let hits = self.place_primary(scene, path, size, listener);
-        listener(0.3, "secondary records");
+        listener(PLACED, "secondary records");
         self.place_secondary(scene, hits);
         reserve(self.stored_bytes(path.timeline().frame_count()))?;
-        listener(0.35, "secondary irradiance");
         let final_gather = FinalGather::new(scene);
-        let secondary = self.gather_secondary(&final_gather);
+        let secondary = self.gather_secondary(&final_gather, listener);
         self.gather_primary(&final_gather, &secondary, listener);
         self.camera_paths.push(name.to_owned());
         self.errors.clear();
@@ -269,7 +285,8 @@ impl BakeState {
         let bounces = self.bounces();
         let scale = radius_scale(self.refinement_level);
         for (pass, frame) in (0..).zip(van_der_corput_order(frames)) {
-            listener(0.3 * f64::from(pass) / f64::from(frames), "primary records");
+            let progress = PLACED * f64::from(pass) / f64::from(frames);
+            listener(progress, "primary records");
             let probe = FrameProbe {
                 scene,
                 camera: path.camera(frame),
@@ -308,8 +325,19 @@ impl BakeState {
 
     /// Gathers the values of secondary records that have none yet, for one bounce left, for two, and so on, each
     /// from the last.
-    fn gather_secondary(&mut self, final_gather: &FinalGather) -> SecondaryIrradiance {
+    fn gather_secondary(
+        &mut self,
+        final_gather: &FinalGather,
+        listener: Listener,
+    ) -> SecondaryIrradiance {
         let PlacedRecords { placement, values } = &mut self.secondary;
+        let missing = values
+            .iter()
+            .map(|values| placement.points.len() - values.len());
+        let on_point = counter(missing.sum(), |part| {
+            let progress = PLACED + (SECONDARY_GATHERED - PLACED) * part;
+            listener(progress, "secondary irradiance");
+        });
         let (records, order) = placement.records.compacted();
         let mut secondary = SecondaryIrradiance {
             min_distance: placement.min_radius(),
@@ -325,7 +353,7 @@ impl BakeState {
                 seed: self.seed,
             };
             let new = &placement.points[values_of_bounce.len()..];
-            values_of_bounce.extend(gather_pass.mean_radiance(new, &secondary, &|| ()));
+            values_of_bounce.extend(gather_pass.mean_radiance(new, &secondary, &on_point));
             let in_order = order.iter().map(|&index| values_of_bounce[index]);
             secondary.values.push(in_order.collect());
         }
@@ -342,14 +370,10 @@ impl BakeState {
         let missing =
             |placed: &PlacedRecords| placed.placement.points.len() - placed.values[0].len();
         let all: usize = self.primary.iter().map(missing).sum();
-        let done = AtomicUsize::new(0);
-        let on_point = || {
-            let before = done.fetch_add(1, Ordering::Relaxed);
-            if before.is_multiple_of(256) {
-                let progress = 0.5 + 0.47 * before as f64 / all as f64;
-                listener(progress, "primary irradiance");
-            }
-        };
+        let on_point = counter(all, |part| {
+            let progress = SECONDARY_GATHERED + (GATHERED - SECONDARY_GATHERED) * part;
+            listener(progress, "primary irradiance");
+        });
         let bounces = self.bounces();
         let paths = (TOTAL_PRIMARY_PATHS / all.max(1)).clamp(MIN_PATHS, MAX_PATHS) as u32;
         for (bounces_left, placed) in (1..).zip(&mut self.primary) {

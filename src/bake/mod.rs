@@ -23,6 +23,7 @@ use crate::camera::CameraPath;
 use crate::irradiance_cache::IrradianceCache;
 use crate::render::{ErrorEstimate, PixelSampling, RenderSettings};
 use crate::scene::Scene;
+use bake_state::GATHERED;
 pub use bake_state::{BakeState, Listener};
 pub use cache_file::{CacheFile, CacheFileError};
 use std::convert::Infallible;
@@ -80,7 +81,7 @@ pub fn bake_with_room<E>(
             let size = (settings.width, settings.height);
             state.add_camera_path(scene, path, name, size, listener, &mut reserve)?;
         }
-        listener(0.97, "cache error");
+        listener(GATHERED, "cache error");
         let cache = state.irradiance_cache();
         let errors = match state.errors(name, settings.display_white) {
             Some(errors) => errors.to_vec(),

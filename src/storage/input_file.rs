@@ -2,6 +2,7 @@
 
 use super::error::FileError;
 use rustix::fs::{Mode, OFlags, open};
+use rustix::io::Errno;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
@@ -11,7 +12,11 @@ use std::path::Path;
 pub fn read_input(file: &Path, most: u64) -> Result<Vec<u8>, FileError> {
     // A pipe without a writer would block.
     let flags = OFlags::RDONLY | OFlags::NONBLOCK | OFlags::NOCTTY | OFlags::CLOEXEC;
-    let opened = open(file, flags, Mode::empty()).map_err(io::Error::from);
+    let opened = open(file, flags, Mode::empty()).map_err(|error| match error {
+        // A device that is not there.
+        Errno::NXIO => io::Error::other("it is not a regular file"),
+        error => error.into(),
+    });
     let bytes = opened.and_then(|opened| read_regular(opened.into(), most));
     bytes.map_err(|source| FileError::reading(file, source))
 }

@@ -138,8 +138,11 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     if !missing.is_empty() || !folder.has_its_sequence() {
         folder.prepare()?;
     }
-    let strays = strays(&folder, arguments)?;
-    warn(&strays);
+    if arguments.clean {
+        clean(&folder, arguments.quiet)?;
+    }
+    let strays_before = strays(&folder)?;
+    warn(&strays_before);
     if !missing.is_empty() {
         arguments.warn_of(&job, &missing);
         if arguments.preview {
@@ -204,8 +207,11 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     };
     let is_proven =
         outcome.failures.is_empty() && is_proven(&folder, &frames, &job, arguments.quiet);
+    let mut strays = strays(&folder)?;
     // A part of the sequence is not concerned by what is beside it.
-    let is_clean = strays.is_empty() || frames.len() < count as usize;
+    let is_clean = frames.len() < count as usize || strays.is_empty();
+    strays.retain(|stray| !strays_before.contains(stray));
+    warn(&strays);
     Ok(
         match is_proven && is_listed && is_shown && !is_anothers && is_clean {
             true => Status::Done,
@@ -237,24 +243,22 @@ fn choose_samples(
     Ok(())
 }
 
-/// What is wrong with files beside the frames that look like frames; those that the program wrote are removed if the
-/// user says so.
-fn strays(folder: &FrameFolder, arguments: &RenderArguments) -> Result<Vec<String>, Failure> {
-    if arguments.clean {
-        for name in folder.clean()? {
-            if !arguments.quiet {
-                say(format_args!(
-                    "removed {}",
-                    folder.path().join(name).display()
-                ));
-            }
+/// Removes frames that are none of the sequence, and says which.
+fn clean(folder: &FrameFolder, quiet: bool) -> Result<(), Failure> {
+    for name in folder.clean()? {
+        if !quiet {
+            let file = folder.path().join(name);
+            say(format_args!("removed {}", file.display()));
         }
     }
+    Ok(())
+}
+
+/// What is wrong with files beside the frames that look like frames.
+fn strays(folder: &FrameFolder) -> Result<Vec<String>, Failure> {
     let strays = folder.strays()?;
-    Ok(strays
-        .iter()
-        .map(|stray| stray_line(folder, stray))
-        .collect())
+    let line = |stray| stray_line(folder, stray);
+    Ok(strays.iter().map(line).collect())
 }
 
 /// Whether the frames are there as they were verified or stored. Says which are not.

@@ -66,6 +66,12 @@ pub(super) fn looks_like_a_frame(name: &str) -> bool {
     name.starts_with(FRAME_PREFIX) || name.starts_with(ERROR_MAP_PREFIX)
 }
 
+/// The number in the name of a frame or an error map.
+pub(super) fn number_in(name: &str) -> Option<u32> {
+    let (_, number) = name.split_once('_')?;
+    number.split_once('.')?.0.parse().ok()
+}
+
 /// Whether a file beside the frames is one that the program wrote, by how it begins.
 pub(super) fn is_own(folder: &Folder, name: &str) -> bool {
     let start: &[u8] = match name {

@@ -1,7 +1,7 @@
 //! What is in a folder beside the frames of the sequence: files of somebody else, which are not replaced unasked, and
 //! frames that are none of the sequence.
 
-use super::file_names::{BESIDE_FRAMES, is_own, looks_like_a_frame};
+use super::file_names::{BESIDE_FRAMES, is_own, looks_like_a_frame, number_in};
 use super::folder::{FolderError, FrameFolder};
 use super::format::FrameFormat;
 use super::record::FrameRecord;
@@ -66,12 +66,12 @@ impl FrameFolder {
     /// The files in the folder that look like frames or error maps but are none of the sequence, by name.
     pub fn strays(&self) -> Result<Vec<Stray>, FileError> {
         let folder = self.folder()?;
-        let sequence = self.sequence();
-        let own: BTreeSet<String> = (0..sequence.frames)
-            .flat_map(|frame| self.names_of(frame))
-            .collect();
+        let is_expected = |name: &str| {
+            let frame = number_in(name).filter(|frame| *frame < self.sequence().frames);
+            frame.is_some_and(|frame| self.names_of(frame).any(|own| own == name))
+        };
         let names = names(folder)?.into_iter();
-        let strays = names.filter(|name| looks_like_a_frame(name) && !own.contains(name));
+        let strays = names.filter(|name| looks_like_a_frame(name) && !is_expected(name));
         let mut strays: Vec<Stray> = strays
             .map(|name| Stray {
                 is_own: record(folder, &name).is_some(),

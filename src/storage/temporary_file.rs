@@ -2,6 +2,7 @@
 
 use super::error::FileError;
 use super::folder::Folder;
+use super::input_file::regular;
 use super::unfinished;
 use rustix::fs::{OFlags, fstat};
 use std::ffi::{OsStr, OsString};
@@ -49,41 +50,22 @@ pub(super) fn hidden(name: &OsStr, suffix: &str) -> OsString {
 impl TemporaryFile {
     /// Opens or makes a temporary file, as `flags` say, and locks it. An error if it is not a regular file.
     pub(super) fn open(folder: &Folder, name: &OsStr, flags: OFlags) -> io::Result<Opened> {
-        let file = unfinished::register(folder, name, || {
-            folder.open_at(name, flags | OFlags::CREATE)
-        })?;
-        let mut temporary = TemporaryFile {
+        let temporary = |file| TemporaryFile {
             file,
             folder: folder.clone(),
             name: name.to_owned(),
         };
-        if !temporary.file.metadata()?.is_file() {
-            temporary.release();
-            return Err(io::Error::other("it is not a regular file"));
-        }
-        match temporary.file.try_lock() {
-            Ok(()) if temporary.has_its_name() => Ok(Opened::Locked(temporary)),
-            Ok(()) => {
-                temporary.release();
-                Ok(Opened::Gone)
-            }
-            Err(TryLockError::WouldBlock) => {
-                temporary.release();
-                Ok(Opened::Busy)
-            }
-            Err(TryLockError::Error(_)) => Ok(Opened::Lockless(temporary)),
-        }
-    }
-
-    fn has_its_name(&self) -> bool {
-        let stat = fstat(&self.file);
-        let identity = self.folder.identity_of(&self.name);
-        stat.is_ok_and(|stat| identity.is_some_and(|of| (of.0, of.1) == (stat.st_dev, stat.st_ino)))
-    }
-
-    /// Leaves the file in place: it belongs to another process.
-    fn release(&mut self) {
-        unfinished::forget(&self.folder, &std::mem::take(&mut self.name), || ());
+        let open = || {
+            let file = regular(folder.open_at(name, flags | OFlags::CREATE)?)?;
+            Ok(match file.try_lock() {
+                Err(TryLockError::WouldBlock) => Opened::Busy,
+                Ok(()) if !has_name(&file, folder, name) => Opened::Gone,
+                Ok(()) => Opened::Locked(temporary(file)),
+                Err(TryLockError::Error(_)) => Opened::Lockless(temporary(file)),
+            })
+        };
+        let is_own = |opened: &Opened| matches!(opened, Opened::Locked(_) | Opened::Lockless(_));
+        unfinished::register(folder, name, open, is_own)
     }
 
     /// Gives it its final name.
@@ -95,6 +77,13 @@ impl TemporaryFile {
         }
         renamed
     }
+}
+
+/// Whether an open file is still the one of a name.
+fn has_name(file: &File, folder: &Folder, name: &OsStr) -> bool {
+    let stat = fstat(file);
+    let identity = folder.identity_of(name);
+    stat.is_ok_and(|stat| identity.is_some_and(|of| (of.0, of.1) == (stat.st_dev, stat.st_ino)))
 }
 
 impl Drop for TemporaryFile {

@@ -16,15 +16,18 @@ fn unfinished() -> MutexGuard<'static, Vec<(Folder, OsString)>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Opens a temporary file, and lists it.
+/// Opens a temporary file, and lists it if it is this process's by `is_own`.
 pub(super) fn register<T>(
     folder: &Folder,
     name: &OsStr,
     open: impl FnOnce() -> io::Result<T>,
+    is_own: impl FnOnce(&T) -> bool,
 ) -> io::Result<T> {
     let mut unfinished = unfinished();
     let opened = open()?;
-    unfinished.push((folder.clone(), name.to_owned()));
+    if is_own(&opened) {
+        unfinished.push((folder.clone(), name.to_owned()));
+    }
     Ok(opened)
 }
 

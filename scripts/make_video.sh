@@ -30,7 +30,8 @@ shown() {
 child='' unfinished=''
 interrupted() {
     trap '' INT TERM HUP USR1
-    [ -z "$child" ] || kill -KILL "$child" 2>/dev/null || true
+    # A program that has just begun has no number yet.
+    for process in ${child:-$(jobs -p)}; do kill -KILL "$process" 2>/dev/null || true; done
     exit 75
 }
 trap interrupted INT TERM HUP USR1

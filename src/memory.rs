@@ -36,6 +36,19 @@ pub struct MemoryRoom {
 }
 
 impl MemoryRoom {
+    /// Checks that `need` more bytes than are in use fit, for `what`.
+    pub fn check(self, what: &str, need: u64, advice: &'static str) -> Result<(), MemoryError> {
+        match need > self.left() {
+            true => Err(MemoryError {
+                what: what.to_owned(),
+                need,
+                room: self,
+                advice,
+            }),
+            false => Ok(()),
+        }
+    }
+
     /// Bytes that are left.
     pub fn left(&self) -> u64 {
         self.limit.saturating_sub(self.used)
@@ -44,15 +57,7 @@ impl MemoryRoom {
 
 /// Checks that `need` more bytes fit, for `what`.
 pub fn check_room(what: &str, need: u64, advice: &'static str) -> Result<(), MemoryError> {
-    match room() {
-        Some(room) if need > room.left() => Err(MemoryError {
-            what: what.to_owned(),
-            need,
-            room,
-            advice,
-        }),
-        _ => Ok(()),
-    }
+    room().map_or(Ok(()), |room| room.check(what, need, advice))
 }
 
 /// The limit that leaves the least room: of the control group, of the process (`ulimit -v`), or the machine's memory.

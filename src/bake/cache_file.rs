@@ -32,7 +32,7 @@ pub enum CacheFileError {
     File(#[from] FileError),
     /// The file does not begin with the magic text.
     #[error(
-        "{file}: is there already, and is not an irradiance cache of this format; use another file name, or \
+        "{file}: is there already, and is not an irradiance cache of this format; use another file name, or bake \
          --replace to write over it",
         file = .file.display()
     )]

@@ -43,6 +43,7 @@ pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<St
     let out = absolute(&arguments.folder)?;
     let folder = open_folder(&out, &arguments.inputs.options().accepted_builds)?;
     let mut job = arguments.inputs.job_of(&folder)?;
+    job.check_room()?;
     warn(&job.inputs().scene.warnings);
     let sequence = job.sequence(&out)?;
     if sequence.input_hashes != folder.sequence().input_hashes {

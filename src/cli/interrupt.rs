@@ -55,6 +55,11 @@ impl Interrupt {
                     wait_for_the_end(&stage, &mut signals);
                 }
                 remove_unfinished();
+                // The reader of the message may hang.
+                let _ = thread::Builder::new().spawn(|| {
+                    thread::sleep(Duration::from_millis(100));
+                    exit(Status::Interrupted as i32);
+                });
                 complain("interrupted: the same command continues");
                 exit(Status::Interrupted as i32);
             })?;
@@ -71,9 +76,14 @@ impl Interrupt {
         self.stage.load(Ordering::SeqCst) == ASKED
     }
 
-    /// No frame is rendered any more.
+    /// No frame is rendered any more: those that are there are listed.
     pub(super) fn rendering_is_over(&self) {
         self.stage.store(STOPPED, Ordering::SeqCst);
+    }
+
+    /// Nothing is left to list: from now on a signal ends the program at once.
+    pub(super) fn nothing_is_left(&self) {
+        self.stage.store(AT_ONCE, Ordering::SeqCst);
     }
 }
 
@@ -82,7 +92,8 @@ fn wait_for_the_end(stage: &AtomicU8, signals: &mut Signals) {
     let mut start = Instant::now();
     let mut until = UNTIL_STOPPED;
     let mut is_stopped = false;
-    while start.elapsed() < until && signals.pending().next().is_none() {
+    let goes_on = || stage.load(Ordering::SeqCst) != AT_ONCE;
+    while goes_on() && start.elapsed() < until && signals.pending().next().is_none() {
         if !is_stopped && stage.load(Ordering::SeqCst) == STOPPED {
             (is_stopped, start, until) = (true, Instant::now(), UNTIL_LISTED);
         }

@@ -79,12 +79,10 @@ impl JobArguments {
         }
     }
 
-    /// With `rebake`, a shared cache that cannot be used is baked anew; with `replace`, anything under its name is
-    /// written over.
-    pub(super) fn options(&self, rebake: bool, replace: bool) -> JobOptions {
+    /// With `rebake`, a shared cache that cannot be used is baked anew.
+    pub(super) fn options(&self, rebake: bool) -> JobOptions {
         JobOptions {
             rebake,
-            replace,
             ..self.options.options()
         }
     }

@@ -1,5 +1,4 @@
 //! The command line: what the user types, turned into work, progress and an exit status.
-#![expect(clippy::print_stderr, reason = "talking to the user is its job")]
 
 mod args;
 mod audit;

@@ -85,10 +85,14 @@ pub(super) fn say(line: fmt::Arguments) {
     let _ = writeln!(io::stdout(), "{}", visible(line));
 }
 
+/// Prints a line beside the results. A reader that has gone, or a log on a full disk, ends no rendering.
+pub(super) fn tell(line: impl fmt::Display) {
+    let _ = writeln!(io::stderr(), "{}", visible(line));
+}
+
 /// Prints the error that ends the program.
 pub(super) fn complain(error: impl fmt::Display) {
-    // Nobody may be left to read it.
-    let _ = writeln!(io::stderr(), "flythrough: {}", visible(error));
+    tell(format_args!("flythrough: {error}"));
 }
 
 /// The mean and the worst of the errors of frames; none where there are none. `place` is the relation of an error to its
@@ -116,6 +120,6 @@ pub(super) fn say_waiting(lock: &Path) {
 /// Prints a line for each warning.
 pub(super) fn warn(warnings: &[String]) {
     for warning in warnings {
-        let _ = writeln!(io::stderr(), "warning: {}", visible(warning));
+        tell(format_args!("warning: {warning}"));
     }
 }

@@ -1,9 +1,9 @@
 //! Progress of sequences and of other long work: a bar, lines, or what Open Job Description reads.
 
 use super::interrupt::Interrupt;
+use super::outcome::tell;
 use super::values::ProgressArgument;
 use crate::render::{RenderObserver, RenderSettings, SinkError, tile_count};
-use crate::text::visible;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -89,7 +89,7 @@ impl SequenceProgress {
     fn update(&self) {
         match self.shown {
             Shown::Bar => self.bar.set_message(self.state()),
-            Shown::Lines if self.lines.is_time(60_000, 60_000) => eprintln!("{}", self.state()),
+            Shown::Lines if self.lines.is_time(60_000, 60_000) => tell(self.state()),
             Shown::OpenJobDescription if self.lines.is_time(1_000, 1_000) => self.tell_openjd(),
             _ => {}
         }
@@ -155,7 +155,7 @@ impl RenderObserver for SequenceProgress {
 
     fn frame_failed(&self, frame: u32, error: &SinkError) {
         self.bar
-            .suspend(|| eprintln!("frame {frame} failed: {}", visible(error)));
+            .suspend(|| tell(format_args!("frame {frame} failed: {error}")));
     }
 }
 
@@ -188,7 +188,7 @@ impl FractionProgress {
     pub(super) fn at(&self, done: f64, what: &str) {
         let left = remaining(self.lines.start.elapsed(), done).map_or("?".to_owned(), clock);
         if self.has_lines && self.lines.is_time(2_000, 60_000) {
-            eprintln!("{what}: {:.0} %  ETA {left}", 100.0 * done);
+            tell(format_args!("{what}: {:.0} %  ETA {left}", 100.0 * done));
         }
         self.bar.set_position((done * Self::STEPS as f64) as u64);
         self.bar.set_message(format!("{what}  ETA {left}"));

@@ -46,8 +46,9 @@ pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
     let mut job = Job::new(
         arguments.job.spec(false),
         out,
-        &arguments.job.options(false, arguments.replace),
+        &arguments.job.options(false),
     )?;
+    job.check_room()?;
     warn(&job.inputs().scene.warnings);
     if let Some(out) = out
         && !arguments.replace

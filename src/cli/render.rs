@@ -111,8 +111,9 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         }
     }
     let spec = arguments.job.spec(arguments.preview);
-    let options = arguments.job.options(arguments.force, arguments.replace);
+    let options = arguments.job.options(arguments.force);
     let mut job = Job::new(spec, Some(&out), &options)?;
+    job.check_room()?;
     let count = job.frame_count();
     let frames = match &arguments.frames {
         None => (0..count).collect(),
@@ -201,6 +202,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     if outcome.stopped {
         return Ok(Status::Interrupted);
     }
+    interrupt.nothing_is_left();
     let is_shown = match arguments.preview {
         true => (job.inputs().pool).install(|| show(&folder, &frames, arguments.quiet)),
         false => true,

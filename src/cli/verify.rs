@@ -5,6 +5,7 @@ use super::outcome::{Failure, Status, say};
 use super::progress::FractionProgress;
 use crate::frames::{FrameFolder, FrameRecord, Stray, VerifyError};
 use crate::job::{JobError, open_folder, pool};
+use crate::memory::room;
 use clap::Args;
 use rayon::prelude::*;
 use std::path::{PathBuf, absolute};
@@ -117,7 +118,7 @@ pub(super) fn verify(
     frames: &[u32],
     quiet: bool,
 ) -> Vec<(u32, Result<FrameRecord, VerifyError>)> {
-    of_each(frames, "verifying frames", quiet, |frame| {
+    of_each(folder, frames, "verifying frames", quiet, |frame| {
         folder.verify(frame)
     })
 }
@@ -128,14 +129,18 @@ pub(super) fn changed_since(
     frames: &[u32],
     quiet: bool,
 ) -> Vec<(u32, VerifyError)> {
-    let proven = of_each(frames, "proving frames", quiet, |frame| folder.prove(frame));
+    let proven = of_each(folder, frames, "proving frames", quiet, |frame| {
+        folder.prove(frame)
+    });
     let changed = proven.into_iter();
     changed
         .filter_map(|(frame, proven)| Some((frame, proven.err()?)))
         .collect()
 }
 
+/// Reads frames on all threads of the current pool, or on as many at a time as the memory suffices for.
 fn of_each<T: Send>(
+    folder: &FrameFolder,
     frames: &[u32],
     what: &str,
     quiet: bool,
@@ -149,7 +154,11 @@ fn of_each<T: Send>(
         progress.at(done as f64 / frames.len() as f64, what);
         (frame, found)
     };
-    let all = frames.par_iter().map(one).collect();
+    let left = room().map_or(u64::MAX, |room| room.left());
+    let at_a_time = (left / folder.memory_to_verify()).clamp(1, frames.len().max(1) as u64);
+    let groups = frames.chunks(at_a_time as usize);
+    let all = groups.flat_map(|group| group.par_iter().map(one).collect::<Vec<_>>());
+    let all = all.collect();
     progress.finish();
     all
 }

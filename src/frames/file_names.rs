@@ -22,19 +22,6 @@ pub(super) const ERROR_TABLE: &str = "errors.csv";
 /// The errors of the frames as a chart.
 pub(super) const ERROR_CHART: &str = "errors.svg";
 
-/// How the names of all files begin that are written to a folder.
-pub(super) const OWN_FILES: [&str; 9] = [
-    FRAME_PREFIX,
-    ERROR_MAP_PREFIX,
-    SEQUENCE_FILE,
-    CAMERAS_FILE,
-    MANIFEST_FILE,
-    "errors.",
-    ESTIMATE_FILE,
-    CACHE_FILE,
-    SHEET_FILE,
-];
-
 const FRAME_PREFIX: &str = "frame_";
 
 const ERROR_MAP_PREFIX: &str = "error_";
@@ -61,20 +48,27 @@ pub(super) fn error_map_name(frame: u32) -> String {
     format!("{ERROR_MAP_PREFIX}{frame:05}.exr")
 }
 
-/// Whether a name looks like that of a frame or of an error map.
-pub(super) fn looks_like_a_frame(name: &str) -> bool {
-    name.starts_with(FRAME_PREFIX) || name.starts_with(ERROR_MAP_PREFIX)
+/// The number in a name that is that of a frame or an error map, of whichever format; none in other names.
+pub(super) fn frame_in(name: &str) -> Option<u32> {
+    let prefixes = [FRAME_PREFIX, ERROR_MAP_PREFIX].into_iter();
+    let rest = prefixes
+        .filter_map(|prefix| name.strip_prefix(prefix))
+        .next()?;
+    let (number, extension) = rest.split_once('.')?;
+    let is_number = number.bytes().all(|digit| digit.is_ascii_digit());
+    let is_picture = matches!(extension, "png" | "exr");
+    number.parse().ok().filter(|_| is_number && is_picture)
 }
 
-/// The number in the name of a frame or an error map.
-pub(super) fn number_in(name: &str) -> Option<u32> {
-    let (_, number) = name.split_once('_')?;
-    number.split_once('.')?.0.parse().ok()
+/// Whether a file of that name is written to a folder of frames.
+pub(super) fn is_written(name: &str) -> bool {
+    frame_in(name).is_some() || name == SEQUENCE_FILE || BESIDE_FRAMES.contains(&name)
 }
 
 /// Whether a file beside the frames is one that the program wrote, by how it begins.
 pub(super) fn is_own(folder: &Folder, name: &str) -> bool {
     let start: &[u8] = match name {
+        SEQUENCE_FILE => b"Sequence(",
         MANIFEST_FILE => b"Manifest(",
         CAMERAS_FILE => b"{\"frame\":0,",
         ERROR_TABLE => ERROR_TABLE_HEADER.as_bytes(),

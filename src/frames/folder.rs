@@ -3,8 +3,8 @@
 
 use super::encoded_pixels::EncodedPixels;
 use super::file_names::{
-    CAMERAS_FILE, MAX_TEXT, OWN_FILES, SEQUENCE_FILE, SHEET_FILE, error_map_name, frame_name,
-    is_own,
+    CAMERAS_FILE, MAX_TEXT, SEQUENCE_FILE, SHEET_FILE, error_map_name, frame_name, is_own,
+    is_written,
 };
 use super::format::FrameFormat;
 use super::proof::{FileHash, FrameProof};
@@ -16,7 +16,7 @@ use crate::storage::{FileError, FileIdentity, FileLock, Folder, PartFile};
 use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, OnceLock};
+use std::sync::{Mutex, MutexGuard, OnceLock};
 use thiserror::Error;
 
 /// Why a folder cannot be used.
@@ -61,6 +61,15 @@ pub enum FolderError {
         /// The build of the first, if nothing else differs.
         other_build: Option<String>,
     },
+    /// It has the irradiance cache of another sequence, whose frames are not there yet.
+    #[error(
+        "{file}: is the irradiance cache of another scene or path: use another folder, or --replace to bake over it",
+        file = .file.display()
+    )]
+    OthersCache {
+        /// The file.
+        file: PathBuf,
+    },
     /// It has a file under the name of one of its own that the program did not write.
     #[error(
         "{file}: is there already, and flythrough did not write it: use another folder, or --replace to write over it",
@@ -82,7 +91,7 @@ pub struct FrameFolder {
     /// The folder, since it was first there.
     opened: OnceLock<Folder>,
     /// Which `sequence.ron` was there when the folder was prepared.
-    prepared_file: OnceLock<Option<FileIdentity>>,
+    prepared_file: Mutex<Option<FileIdentity>>,
     /// What was verified or stored by this process.
     proofs: Mutex<HashMap<u32, FrameProof>>,
 }
@@ -103,7 +112,7 @@ impl FrameFolder {
             sequence,
             force,
             opened: OnceLock::new(),
-            prepared_file: OnceLock::new(),
+            prepared_file: Mutex::default(),
             proofs: Mutex::default(),
         }
     }
@@ -139,7 +148,7 @@ impl FrameFolder {
     pub fn prepare(&self) -> Result<(), FolderError> {
         let created = Folder::create(&self.path)?;
         let folder = self.opened.get_or_init(|| created);
-        folder.remove_leftovers(&OWN_FILES)?;
+        folder.remove_leftovers(is_written)?;
         if self.recorded().as_ref() == Some(&self.sequence) {
             drop(folder.part_file(SEQUENCE_FILE)?);
         } else {
@@ -149,16 +158,27 @@ impl FrameFolder {
             })?;
             folder.write_atomic(SEQUENCE_FILE, text.as_bytes())?;
         }
-        self.prepared_file
-            .get_or_init(|| folder.identity_of(SEQUENCE_FILE));
+        *self.prepared_file() = folder.identity_of(SEQUENCE_FILE);
         Ok(())
+    }
+
+    fn prepared_file(&self) -> MutexGuard<'_, Option<FileIdentity>> {
+        self.prepared_file.lock().expect("no holder panics")
     }
 
     /// Whether `sequence.ron` was replaced since `prepare`, by one of other frames.
     fn sequence_was_replaced(&self, folder: &Folder) -> bool {
-        let prepared = self.prepared_file.get();
-        prepared.is_some_and(|file| *file != folder.identity_of(SEQUENCE_FILE))
-            && self.has_another_sequence()
+        let now = folder.identity_of(SEQUENCE_FILE);
+        let mut prepared = self.prepared_file();
+        if prepared.is_none() || *prepared == now {
+            return false;
+        }
+        if self.has_another_sequence() {
+            return true;
+        }
+        // It need not be read again.
+        *prepared = now.or(*prepared);
+        false
     }
 
     /// Whether `sequence.ron` is of the frames of this sequence, from the same builds.
@@ -260,8 +280,7 @@ impl FrameFolder {
         let parent = fs::canonicalize(parent.unwrap_or(Path::new(".")));
         let is_here = parent.is_ok_and(|p| fs::canonicalize(&self.path).is_ok_and(|f| f == p));
         let name = file.file_name().unwrap_or_default().to_string_lossy();
-        let is_own = OWN_FILES.iter().any(|own| name.starts_with(own));
-        is_here && is_own && name != SHEET_FILE
+        is_here && is_written(&name) && name != SHEET_FILE
     }
 
     /// Verifies that all files of a frame are there, whole, unchanged, and made from the inputs of the sequence.
@@ -403,6 +422,11 @@ impl FrameFolder {
     pub fn sync(&self) {
         // A name that is lost is a missing frame: it is found and rendered again.
         let _ = self.folder().map(Folder::sync);
+    }
+
+    /// About the most bytes of memory that verifying a frame takes: its file, its pixels, and both made anew.
+    pub fn memory_to_verify(&self) -> u64 {
+        4 * self.max_file_bytes(self.sequence.format)
     }
 
     /// The most bytes that a file of this format may take.

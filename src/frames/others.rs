@@ -1,7 +1,7 @@
 //! What is in a folder beside the frames of the sequence: files of somebody else, which are not replaced unasked, and
 //! frames that are none of the sequence.
 
-use super::file_names::{BESIDE_FRAMES, is_own, looks_like_a_frame, number_in};
+use super::file_names::{BESIDE_FRAMES, CACHE_FILE, SEQUENCE_FILE, frame_in, is_own};
 use super::folder::{FolderError, FrameFolder};
 use super::format::FrameFormat;
 use super::record::FrameRecord;
@@ -33,7 +33,7 @@ impl FrameFolder {
         let mut is_ours = false;
         let mut others = Vec::new();
         let mut foreign = Vec::new();
-        for name in names.iter().filter(|name| looks_like_a_frame(name)) {
+        for name in names.iter().filter(|name| frame_in(name).is_some()) {
             match record(folder, name) {
                 Some(record) if self.is_current(&record) => is_ours = true,
                 Some(record) => others.push((name, record)),
@@ -51,8 +51,15 @@ impl FrameFolder {
                     .then(|| record.build.clone()),
             });
         }
-        if !self.has_a_sequence() {
-            let beside = BESIDE_FRAMES.iter().filter_map(|name| names.get(*name));
+        if self.has_a_sequence() {
+            if folder.contains(CACHE_FILE) && self.has_another_sequence() {
+                return Err(FolderError::OthersCache {
+                    file: folder.file(CACHE_FILE),
+                });
+            }
+        } else {
+            let beside = BESIDE_FRAMES.iter().chain([&SEQUENCE_FILE]);
+            let beside = beside.filter_map(|name| names.get(*name));
             foreign.extend(beside.filter(|name| !is_own(folder, name)));
         }
         match foreign[..] {
@@ -67,11 +74,11 @@ impl FrameFolder {
     pub fn strays(&self) -> Result<Vec<Stray>, FileError> {
         let folder = self.folder()?;
         let is_expected = |name: &str| {
-            let frame = number_in(name).filter(|frame| *frame < self.sequence().frames);
+            let frame = frame_in(name).filter(|frame| *frame < self.sequence().frames);
             frame.is_some_and(|frame| self.names_of(frame).any(|own| own == name))
         };
         let names = names(folder)?.into_iter();
-        let strays = names.filter(|name| looks_like_a_frame(name) && !is_expected(name));
+        let strays = names.filter(|name| frame_in(name).is_some() && !is_expected(name));
         let mut strays: Vec<Stray> = strays
             .map(|name| Stray {
                 is_own: record(folder, &name).is_some(),

@@ -1,8 +1,9 @@
 //! Reads input files and hashes their contents.
 
 use super::error::InputError;
-use crate::memory::room;
+use crate::memory::check_room;
 use crate::storage::read_input;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Reads input files and hashes their contents, which identify the inputs of frames.
@@ -15,8 +16,9 @@ pub struct InputFiles {
 impl InputFiles {
     /// The bytes of a file that the user named. An error if it is not a regular file: a device may have no end.
     pub fn read(&mut self, file: &Path) -> Result<Vec<u8>, InputError> {
-        let most = room().map_or(u64::MAX, |room| room.left());
-        let bytes = read_input(file, most)?;
+        let length = fs::metadata(file).map_or(0, |is| is.len());
+        check_room(&file.display().to_string(), length, "use a smaller file")?;
+        let bytes = read_input(file, u64::MAX)?;
         self.hashes.push(blake3::hash(&bytes));
         Ok(bytes)
     }

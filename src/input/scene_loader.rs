@@ -14,7 +14,7 @@ use super::{ron_file, texture_file};
 use crate::geometry::{Sphere, Transform};
 use crate::light::{Falloff, PointLight};
 use crate::material::Material;
-use crate::memory::check_room;
+use crate::memory::{MemoryRoom, room};
 use crate::scene::{MeshMaterial, MeshName, Scene, SceneBuilder, SceneNames, SourceMesh};
 use glam::{DVec3, Vec2, Vec3};
 use std::collections::HashMap;
@@ -58,6 +58,7 @@ pub fn load_scene(file: &Path, files: &mut InputFiles) -> Result<SceneInput, Inp
         textures: HashMap::new(),
         texture_files: Vec::new(),
         models: HashMap::new(),
+        room: room(),
         triangle_count: 0,
         vertex_count: 0,
         grey: None,
@@ -117,6 +118,8 @@ struct Loader<'a> {
     texture_files: Vec<PathBuf>,
     /// Models that are loaded, by file and by whether with their own materials.
     models: HashMap<(PathBuf, bool), LoadedModel>,
+    /// The memory that there was before the first model.
+    room: Option<MemoryRoom>,
     /// Of all models so far, each copy counted.
     triangle_count: usize,
     vertex_count: usize,
@@ -392,11 +395,10 @@ impl Loader<'_> {
             self.file.display(),
             self.triangle_count
         );
-        Ok(check_room(
-            &what,
-            need,
-            "use fewer copies or smaller models",
-        )?)
+        match self.room {
+            Some(room) => Ok(room.check(&what, need, "use fewer copies or smaller models")?),
+            None => Ok(()),
+        }
     }
 
     fn model(

@@ -73,10 +73,18 @@ impl OpenedCache {
             }
         }
         let cache = of_build(file, BUILD);
-        let found = match is_own || options.replace {
+        let found = match cache.read(options.rebake) {
             // What is of no use is written over.
-            true => cache.read(true).ok().flatten(),
-            false => cache.read(options.rebake)?,
+            Err(
+                CacheFileError::NotACache { .. }
+                | CacheFileError::Damaged { .. }
+                | CacheFileError::OtherInputs { .. },
+            ) if is_own || options.replace => None,
+            // A pipe or a device in its place is replaced.
+            Err(CacheFileError::File(error)) if is_own && error.source.raw_os_error().is_none() => {
+                None
+            }
+            found => found?,
         };
         let found = found.filter(|found| !is_own || found.camera_paths() == [path_hash.as_str()]);
         Ok(opened(Some(cache), found, BUILD))

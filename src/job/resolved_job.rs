@@ -74,13 +74,6 @@ impl Job {
             need,
             "choose a lower fps, or split the path",
         )?;
-        let need = FRAMES_IN_FLIGHT as u64 * frame_memory(&settings)[1];
-        let (width, height) = (settings.width, settings.height);
-        check_room(
-            &format!("frames of {width}x{height}"),
-            need,
-            "choose a smaller --size",
-        )?;
         let opened_cache = open_cache(&spec, folder, &inputs, &settings, options)?;
         if spec.error_maps && !settings.has_noise() {
             let advice = match opened_cache {
@@ -220,6 +213,14 @@ impl Job {
         Renderer::new(&self.inputs.scene.scene, self.settings.clone(), cache)
             .expect("frames that look light up have a baked cache")
             .with_cache_errors(errors)
+    }
+
+    /// Checks that the memory suffices for its frames.
+    pub fn check_room(&self) -> Result<(), JobError> {
+        let RenderSettings { width, height, .. } = self.settings;
+        let need = FRAMES_IN_FLIGHT as u64 * frame_memory(&self.settings)[1];
+        let what = format!("frames of {width}x{height}");
+        Ok(check_room(&what, need, "choose a smaller --size")?)
     }
 
     /// Renders frames for a sink. The irradiance cache is baked, unless there are no frames to render.

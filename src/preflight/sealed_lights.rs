@@ -65,7 +65,19 @@ fn seals_sphere(sphere: &Sphere, light: Vec3, eyes: &[Vec3]) -> bool {
 /// Whether a closed body contains the light and no camera.
 fn seals(scene: &Scene, body: &ClosedBody, light: Vec3, eyes: &[Vec3]) -> bool {
     let contains = |point: Vec3| body.contains(scene, point.as_dvec3());
-    contains(light) == Some(true) && eyes.iter().all(|eye| contains(*eye) == Some(false))
+    // Points that see each other are on the same side.
+    let mut query_state = QueryState::default();
+    let mut last = None;
+    let mut is_new = |eye: &&Vec3| {
+        let is_seen = last.is_some_and(|last| sees(scene, last, **eye, &mut query_state));
+        last = Some(**eye);
+        !is_seen
+    };
+    contains(light) == Some(true)
+        && eyes
+            .iter()
+            .filter(&mut is_new)
+            .all(|eye| contains(*eye) == Some(false))
 }
 
 /// Whether rays hit something in all directions.
@@ -84,10 +96,18 @@ fn is_surrounded(scene: &Scene, point: Vec3) -> bool {
 /// Whether nothing is between a light and one of the cameras: then no body separates them.
 fn sees_any(scene: &Scene, light: Vec3, eyes: &[Vec3]) -> bool {
     let mut query_state = QueryState::default();
-    eyes.iter().filter(|&&eye| eye != light).any(|&eye| {
-        let hit = scene.closest(&Ray::new(light, eye - light), &mut query_state);
-        hit.is_none_or(|hit| hit.t > 1.0)
-    })
+    let eyes = eyes.iter().filter(|&&eye| eye != light);
+    eyes.copied()
+        .any(|eye| sees(scene, light, eye, &mut query_state))
+}
+
+/// Whether nothing is between two points.
+fn sees(scene: &Scene, from: Vec3, to: Vec3, query_state: &mut QueryState) -> bool {
+    if from == to {
+        return true;
+    }
+    let hit = scene.closest(&Ray::new(from, to - from), query_state);
+    hit.is_none_or(|hit| hit.t > 1.0)
 }
 
 #[cfg(test)]

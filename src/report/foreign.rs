@@ -7,8 +7,8 @@ use std::path::Path;
 /// The most bytes of a report's texts.
 const MAX_TEXT: u64 = 1 << 26;
 
-/// Refuses a folder that holds a file under the name of one of a report's texts which the program did not write. One
-/// that is not there yet is free.
+/// Refuses a folder that holds files under the names of a report's own and no text of a report. One that is not there yet
+/// is free.
 pub fn check_free_for_report(folder: &Path) -> Result<(), ReportError> {
     let Ok(folder) = Folder::open(folder) else {
         return Ok(());
@@ -22,16 +22,28 @@ pub fn check_free_for_report(folder: &Path) -> Result<(), ReportError> {
         ("report.csv", |text| text.starts_with("curve,flags,")),
         ("report.json", |text| text.starts_with("{\n  \"title\": ")),
     ];
-    for (name, is_own) in texts {
-        let is_foreign = folder.contains(name)
-            && !folder
-                .read_text(name, MAX_TEXT)
-                .is_ok_and(|text| is_own(&text));
-        if is_foreign {
-            return Err(ReportError::Foreign {
-                file: folder.file(name),
-            });
-        }
+    let has_own = texts.iter().any(|(name, is_own)| {
+        let text = folder.read_text(name, MAX_TEXT);
+        text.is_ok_and(|text| is_own(&text))
+    });
+    // Pictures are a report's beside its texts.
+    let names = texts.map(|(name, _)| name).into_iter().chain(PICTURES);
+    match names
+        .into_iter()
+        .find(|name| !has_own && folder.contains(name))
+    {
+        Some(name) => Err(ReportError::Foreign {
+            file: folder.file(name),
+        }),
+        None => Ok(()),
     }
-    Ok(())
 }
+
+/// The pictures of a report, and the folder of others.
+const PICTURES: [&str; 5] = [
+    "curves.svg",
+    "curves.png",
+    "flicker.svg",
+    "flicker.png",
+    "strips",
+];

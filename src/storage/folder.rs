@@ -72,12 +72,16 @@ impl Folder {
     /// An error if its path leads to another folder by now, or to none.
     pub fn check_in_place(&self) -> Result<(), FileError> {
         let found = Folder::open(&self.path).and_then(|there| there.identity());
-        match found.and_then(|found| Ok(found == self.identity()?)) {
-            Ok(true) => Ok(()),
-            _ => Err(FileError::writing(
-                &self.path,
-                io::Error::other("the folder was moved or removed"),
-            )),
+        let is_gone = match found {
+            Err(error) if error.is_missing() => true,
+            found => found? != self.identity()?,
+        };
+        match is_gone {
+            true => {
+                let gone = io::Error::other("the folder was moved or removed");
+                Err(FileError::writing(&self.path, gone))
+            }
+            false => Ok(()),
         }
     }
 
@@ -123,8 +127,8 @@ impl Folder {
             .map(File::from)
             .map_err(|error| match error {
                 Errno::LOOP => io::Error::other("it is a link"),
-                // A pipe that is opened for writing and that nobody reads.
-                Errno::NXIO => io::Error::other("it is not a regular file"),
+                // A folder, or a pipe that is opened for writing and that nobody reads.
+                Errno::ISDIR | Errno::NXIO => io::Error::other("it is not a regular file"),
                 error => error.into(),
             })
     }
@@ -140,19 +144,21 @@ impl Folder {
         self.identity_of(name).is_some()
     }
 
-    /// Whether a regular file has that name.
-    pub(super) fn is_regular(&self, name: &OsStr) -> bool {
-        self.file_type(name) == Some(FileType::RegularFile)
+    /// The bytes of a regular file; none if none has that name.
+    pub(super) fn size_of_regular(&self, name: &OsStr) -> Option<u64> {
+        let (kind, size) = self.kind_and_size(name)?;
+        (kind == FileType::RegularFile).then_some(size)
     }
 
     /// Whether a folder has that name: no file can be written over it.
     pub(crate) fn is_folder(&self, name: &str) -> bool {
-        self.file_type(name.as_ref()) == Some(FileType::Directory)
+        let found = self.kind_and_size(name.as_ref());
+        found.is_some_and(|(kind, _)| kind == FileType::Directory)
     }
 
-    fn file_type(&self, name: &OsStr) -> Option<FileType> {
+    fn kind_and_size(&self, name: &OsStr) -> Option<(FileType, u64)> {
         let stat = statat(&self.fd, name, AtFlags::SYMLINK_NOFOLLOW).ok()?;
-        Some(FileType::from_raw_mode(stat.st_mode))
+        Some((FileType::from_raw_mode(stat.st_mode), stat.st_size as u64))
     }
 
     /// The names in it, in no order.

@@ -5,6 +5,7 @@ use super::folder::Folder;
 use super::temporary_file::{LOCK, Opened, TemporaryFile, hidden};
 use rustix::fs::OFlags;
 use std::ffi::OsStr;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -44,13 +45,24 @@ impl FileLock {
     pub(super) fn try_new(folder: &Folder, name: &OsStr) -> Result<Option<FileLock>, FileError> {
         let lock = hidden(name, LOCK);
         loop {
-            match TemporaryFile::open(folder, &lock, OFlags::WRONLY) {
+            let opened = TemporaryFile::open(folder, &lock, OFlags::WRONLY);
+            let opened = match opened {
+                // It is another user's.
+                Err(error) if error.kind() == ErrorKind::PermissionDenied => {
+                    TemporaryFile::open(folder, &lock, OFlags::RDONLY)
+                }
+                opened => opened,
+            };
+            match opened {
                 Ok(Opened::Locked(file) | Opened::Lockless(file)) => {
                     return Ok(Some(FileLock { _file: Some(file) }));
                 }
                 Ok(Opened::Busy) => return Ok(None),
                 Ok(Opened::Gone) => {}
-                Err(_) if folder.contains(&lock) => return Ok(Some(FileLock { _file: None })),
+                // It is no regular file.
+                Err(error) if error.raw_os_error().is_none() => {
+                    return Ok(Some(FileLock { _file: None }));
+                }
                 Err(error) => return Err(FileError::writing(&folder.file(name), error)),
             }
         }

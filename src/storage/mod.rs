@@ -1,4 +1,4 @@
-//! The file layer: every access to a file goes through it.
+//! The file layer: whatever is read from a file or written to one goes through it.
 //!
 //! Files of a folder that the program shares with others are opened relative to the open [`Folder`], without following
 //! links, and only if they are regular files of bounded size: nothing that is planted there is read for ever or written

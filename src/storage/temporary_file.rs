@@ -98,18 +98,20 @@ impl Drop for TemporaryFile {
 }
 
 impl Folder {
-    /// Removes the unfinished files that killed processes left, of files whose names begin with one of `names`. What
+    /// Removes the unfinished files and the locks that killed processes left, of files whose names `is_own` tells. What
     /// cannot be removed stays.
-    pub fn remove_leftovers(&self, names: &[&str]) -> Result<(), FileError> {
+    pub fn remove_leftovers(&self, is_own: impl Fn(&str) -> bool) -> Result<(), FileError> {
         for name in self.names()? {
-            let text = name.to_string_lossy();
-            let of = text
-                .strip_prefix('.')
-                .filter(|of| of.ends_with(PART) || of.ends_with(LOCK));
-            let is_own = of.is_some_and(|of| names.iter().any(|name| of.starts_with(name)));
+            let hidden = name.to_string_lossy();
+            let is_ours = target_of(&hidden).is_some_and(&is_own);
+            // Nothing is written in a lock.
+            let is_leftover = match self.size_of_regular(&name) {
+                Some(size) => size == 0 || !hidden.ends_with(LOCK),
+                None => false,
+            };
             // Only the holder of the lock may remove the file.
-            if is_own
-                && self.is_regular(&name)
+            if is_ours
+                && is_leftover
                 && let Ok(Opened::Locked(leftover)) =
                     TemporaryFile::open(self, &name, OFlags::WRONLY)
             {
@@ -118,4 +120,15 @@ impl Folder {
         }
         Ok(())
     }
+}
+
+/// The name of the file that a temporary file of this name is for.
+fn target_of(hidden: &str) -> Option<&str> {
+    let hidden = hidden.strip_prefix('.')?;
+    if let Some(target) = hidden.strip_suffix(LOCK) {
+        return Some(target);
+    }
+    let (target, number) = hidden.strip_suffix(PART)?.rsplit_once('.')?;
+    let is_number = number.len() == 16 && number.bytes().all(|digit| digit.is_ascii_hexdigit());
+    is_number.then_some(target)
 }

@@ -326,6 +326,26 @@ fn frames_that_cannot_be_written_are_named_and_the_others_go_on() {
     assert!(out.path().join("frame_00002.png").is_file());
 }
 
+/// The log may be on the disk that is full.
+#[test]
+fn messages_that_cannot_be_written_end_no_rendering() {
+    let out = tempfile::tempdir().unwrap();
+    fs::create_dir(out.path().join("frame_00001.png")).unwrap();
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_flythrough"));
+    command.current_dir(root()).args([
+        "render",
+        "scenes/test3.ron",
+        "paths/test3.ron",
+        "--size",
+        "8x8",
+    ]);
+    command.args(["--frames", "0-2", "-o"]).arg(out.path());
+    let full = || fs::File::options().write(true).open("/dev/full").unwrap();
+    let status = command.stdout(full()).stderr(full()).status().unwrap();
+    assert_eq!(status.code(), Some(3));
+    assert!(out.path().join("frame_00002.png").is_file());
+}
+
 /// Wrong commands end with status 2 and a message that names the fault.
 #[test]
 fn wrong_commands_are_refused() {

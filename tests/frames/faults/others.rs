@@ -92,9 +92,15 @@ fn files_of_others_under_the_names_of_frames_are_kept() {
     for name in [
         "frame_00000.png",
         "frame_00001.png",
-        "errors.csv",
+        "error_00000.exr",
+        "sequence.ron",
         "manifest.ron",
         "cameras.jsonl",
+        "errors.csv",
+        "errors.svg",
+        "estimate.ron",
+        "irradiance.cache",
+        "sheet.png",
     ] {
         let batch = Batch::new(2);
         let out = batch.out();
@@ -109,6 +115,32 @@ fn files_of_others_under_the_names_of_frames_are_kept() {
         .concat();
         needs_the_flag(&arguments, &out, name);
     }
+}
+
+/// It may have taken hours, and its frames are to come.
+#[test]
+fn the_cache_of_another_scene_is_kept() {
+    let project = Project::new();
+    let batch = Batch::new(2);
+    let more = [
+        "--size",
+        "16x12",
+        "--mode",
+        "montecarlo",
+        "--prepare",
+        "cache",
+    ];
+    assert_eq!(project.run("render", &more).status.code(), Some(0));
+    let path = batch.folder.path().join("p.ron");
+    let out = project.out();
+    let arguments = [
+        "render",
+        "scenes/test3.ron",
+        path.to_str().unwrap(),
+        "-o",
+        out.to_str().unwrap(),
+    ];
+    needs_the_flag(&[&arguments[..], &more].concat(), &out, "irradiance.cache");
 }
 
 #[test]
@@ -181,11 +213,11 @@ fn leftovers_are_named_and_removed_if_asked() {
         run(&["--format", "exr", "--frames", "3"]).status.code(),
         Some(0)
     );
-    fs::write(project.out().join("frame_extra.png"), "precious").unwrap();
+    fs::write(project.out().join("frame_77.png"), "precious").unwrap();
     let output = run(&["--format", "exr", "--clean"]);
     assert_eq!(output.status.code(), Some(3));
-    assert!(stderr(&output).contains("frame_extra.png: no frame of the sequence: move it away"));
-    fs::remove_file(project.out().join("frame_extra.png")).unwrap();
+    assert!(stderr(&output).contains("frame_77.png: no frame of the sequence: move it away"));
+    fs::remove_file(project.out().join("frame_77.png")).unwrap();
     assert_eq!(run(&["--format", "exr", "--clean"]).status.code(), Some(0));
     assert_eq!(project.verify().0, Some(0));
     assert!(!project.file(0).exists());

@@ -26,6 +26,14 @@ fn files(folder: &Path) -> Vec<String> {
     all
 }
 
+/// Whether a process catches a signal, as Linux says.
+fn catches(process: u32, signal: Signal) -> bool {
+    let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal.as_raw() - 1) & 1 == 1)
+}
+
 /// A tile of such a frame takes minutes: no process waits for it.
 #[test]
 fn every_signal_ends_a_frame_of_many_paths() {
@@ -92,8 +100,11 @@ fn every_command_ends_at_a_signal() {
             fs::create_dir(&folder).unwrap();
             let out = folder.join("out");
             let arguments = [&[command, scene, path, "-o", out.to_str().unwrap()], more].concat();
-            let child = start(&arguments);
-            sleep(Duration::from_millis([20, 80, 300, 900][moment]));
+            let mut child = start(&arguments);
+            // From the first moment at which it catches signals.
+            let process = child.id();
+            wait_until(&mut child, "catching signals", || catches(process, sent));
+            sleep(Duration::from_millis([0, 20, 100, 400][moment]));
             signal(&child, sent);
             let output = ends(child);
             let printed = stderr(&output);

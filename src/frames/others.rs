@@ -38,7 +38,8 @@ impl FrameFolder {
                 Some(record) if self.is_current(&record) => is_ours = true,
                 Some(record) => others.push((name, record)),
                 None if folder.is_folder(name) => {}
-                None => foreign.push(name),
+                None if self.is_expected(name) => foreign.push(name),
+                None => {}
             }
         }
         if let [(first, record), ..] = &others[..] {
@@ -70,15 +71,17 @@ impl FrameFolder {
         }
     }
 
+    /// Whether a name is that of a file of the sequence's frames.
+    fn is_expected(&self, name: &str) -> bool {
+        let frame = frame_in(name).filter(|frame| *frame < self.sequence().frames);
+        frame.is_some_and(|frame| self.names_of(frame).any(|own| own == name))
+    }
+
     /// The files in the folder that look like frames or error maps but are none of the sequence, by name.
     pub fn strays(&self) -> Result<Vec<Stray>, FileError> {
         let folder = self.folder()?;
-        let is_expected = |name: &str| {
-            let frame = frame_in(name).filter(|frame| *frame < self.sequence().frames);
-            frame.is_some_and(|frame| self.names_of(frame).any(|own| own == name))
-        };
         let names = names(folder)?.into_iter();
-        let strays = names.filter(|name| frame_in(name).is_some() && !is_expected(name));
+        let strays = names.filter(|name| frame_in(name).is_some() && !self.is_expected(name));
         let mut strays: Vec<Stray> = strays
             .map(|name| Stray {
                 is_own: record(folder, &name).is_some(),

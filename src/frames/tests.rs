@@ -290,8 +290,6 @@ fn nothing_of_others_is_taken_over_unasked() {
     let write = |name: &str| fs::write(root.path().join(name), "precious").expect("written");
     for name in [
         "frame_00001.png",
-        "frame_x",
-        "error_00000.exr",
         "errors.csv",
         "cameras.jsonl",
         "sheet.png",

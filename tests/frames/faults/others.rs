@@ -92,7 +92,6 @@ fn files_of_others_under_the_names_of_frames_are_kept() {
     for name in [
         "frame_00000.png",
         "frame_00001.png",
-        "error_00000.exr",
         "sequence.ron",
         "manifest.ron",
         "cameras.jsonl",

@@ -27,25 +27,6 @@ shown() {
     esac
 }
 
-child='' unfinished=''
-interrupted() {
-    trap '' INT TERM HUP USR1
-    # A program that has just begun has no number yet.
-    for process in ${child:-$(jobs -p)}; do kill -KILL "$process" 2>/dev/null || true; done
-    exit 75
-}
-trap interrupted INT TERM HUP USR1
-trap '[ -z "$unfinished" ] || rm -f -- "$unfinished"' EXIT
-# Runs a program such that a signal does not wait for its end.
-run() {
-    "$@" &
-    child=$!
-    local status=0
-    wait "$child" || status=$?
-    child=''
-    return "$status"
-}
-
 # Whatever else begins with a hyphen is a name.
 replace='' recorded=()
 while [ $# -gt 0 ]; do
@@ -79,20 +60,19 @@ program=$(type -P -- "${FLYTHROUGH:-$(dirname -- "$0")/../target/release/flythro
     || program=$(type -P -- "${FLYTHROUGH:-flythrough}") \
     || fail "flythrough is neither built (cargo build --release) nor in \$PATH, or not what \$FLYTHROUGH says"
 
-# Every video of this script carries this comment.
-mark="made by flythrough make_video.sh"
-probe() { exec ffprobe -v error -f $container "$@"; }
+folder=${video%/*}/
+# The hashes of the videos that were made of these frames.
+made=$frames/videos.sha256
 refuse_to_overwrite() {
     if [ -L "$video" ] || { [ -e "$video" ] && [ ! -f "$video" ]; }; then
         fail "$video_shown: is not a regular file; use another name"
     fi
     [ -e "$video" ] && [ -z "$replace" ] || return 0
-    local comment
-    comment=$(probe -show_entries format_tags=comment -of default=nw=1:nk=1 "file:$video" 2>/dev/null) || true
-    [ "$comment" = "$mark" ] \
-        || fail "$video_shown: is there already, and not made by this script; use another name, or --replace"
+    local hash
+    hash=$(sha256sum < "$video")
+    { [ ! -L "$made" ] && [ -f "$made" ] && grep -qxF -- "${hash%% *}" "$made"; } \
+        || fail "$video_shown: is there already, and not as this script has made it; use another name, or --replace"
 }
-refuse_to_overwrite
 
 # The values, and the files by their inodes, sizes and times.
 entry() {
@@ -103,39 +83,67 @@ state() {
     entry fps && entry frames && entry format \
         && find "$frames/" -maxdepth 1 -name 'frame_*' -printf '%f %i %s %T@\n' | sort
 }
-verified=$(state)
-{ read -r fps; read -r count; read -r format; } <<< "$verified"
-[ "$format" != exr ] || fail "$frames_shown: the frames are $format; videos are made of PNG frames"
-status=0
-run "$program" verify --quiet ${recorded[@]+"${recorded[@]}"} -- "$frames" >&2 || status=$?
-[ $status != 3 ] || fail "$frames_shown: not every frame is verified; render the sequence again" 3
-[ $status = 0 ] || exit $status
-folder=${video%/*}/
-mkdir -p -- "$folder" || fail "$video_shown: cannot be written"
-# Complete or not there at all.
-unfinished=$(mktemp -- "$folder.make_video.XXXXXXXXXX") || fail "$video_shown: cannot be written"
-# In the folder of the frames, whose name would be part of ffmpeg's pattern.
-encode() {
-    cd -- "$frames" && exec ffmpeg -nostdin -v error -xerror -y \
+probe() { ffprobe -v error -f $container "$@"; }
+
+# Makes the video under the name $unfinished, and gives it its own in the end.
+make() {
+    refuse_to_overwrite
+    local verified fps count format encoded hash status=0
+    verified=$(state)
+    { read -r fps; read -r count; read -r format; } <<< "$verified"
+    [ "$format" != exr ] || fail "$frames_shown: the frames are $format; videos are made of PNG frames"
+    "$program" verify --quiet ${recorded[@]+"${recorded[@]}"} -- "$frames" >&2 || status=$?
+    [ $status != 3 ] || fail "$frames_shown: not every frame is verified; render the sequence again" 3
+    [ $status = 0 ] || exit $status
+    mkdir -p -- "$folder" || fail "$video_shown: cannot be written"
+    # Nothing has that name, and no link of that name is followed.
+    (set -C && : > "$unfinished") || fail "$video_shown: cannot be written"
+    # In the folder of the frames, whose name would be part of ffmpeg's pattern.
+    (cd -- "$frames" && exec ffmpeg -nostdin -v error -xerror -y \
         -f image2 -pattern_type sequence -framerate "$fps" -start_number 0 -i frame_%05d.png \
         -vf "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p" \
         -c:v libx264 -preset slow -crf 16 -movflags +faststart \
         -color_primaries bt709 -color_trc bt709 -colorspace bt709 -color_range tv \
-        -metadata comment="$mark" -f $container "file:$unfinished"
+        -f $container "file:$unfinished") || fail "$video_shown: ffmpeg could not encode it" 3
+    encoded=$(probe -count_frames -select_streams v:0 \
+        -show_entries stream=nb_read_frames -of csv=p=0 "file:$unfinished") || encoded=none
+    [ "$encoded" = "$count" ] || fail "$video_shown: has $encoded frames instead of $count" 3
+    [ "$(state)" = "$verified" ] \
+        || fail "$frames_shown: the frames have changed meanwhile; make the video again" 3
+    hash=$(sha256sum < "$unfinished")
+    record "${hash%% *}"
+    refuse_to_overwrite
+    mv -fT -- "$unfinished" "$video"
+    echo "$video_shown: $count frames at $fps per second"
 }
-run encode || fail "$video_shown: ffmpeg could not encode it" 3
-exec 3< <(probe -count_frames -select_streams v:0 \
-    -show_entries stream=nb_read_frames -of csv=p=0 "file:$unfinished")
-child=$!
-wait "$child" || true
-child=''
-read -r encoded <&3 || encoded=none
-[ "$encoded" = "$count" ] || fail "$video_shown: has $encoded frames instead of $count" 3
-[ "$(state)" = "$verified" ] \
-    || fail "$frames_shown: the frames have changed meanwhile; make the video again" 3
-# Readable by those that the umask allows; mktemp allows the owner alone.
-chmod +rw -- "$unfinished"
-refuse_to_overwrite
-mv -fT -- "$unfinished" "$video"
-unfinished=''
-echo "$video_shown: $count frames at $fps per second"
+# Adds a hash to those of the videos that were made; frames that cannot be written have none.
+record() {
+    local list
+    list=$(mktemp -- "$frames/.videos.sha256.XXXXXXXXXX" 2>/dev/null) || return 0
+    [ -L "$made" ] || [ ! -f "$made" ] || cat -- "$made" > "$list"
+    echo "$1" >> "$list"
+    chmod +r -- "$list"
+    mv -fT -- "$list" "$made" || rm -f -- "$list"
+}
+
+# All of it is done by a group of processes of its own: a signal ends them at once, and leaves nothing of them.
+unfinished=$(mktemp -u -- "$folder.make_video.XXXXXXXXXX")
+worker=''
+# shellcheck disable=SC2317 # called by the trap
+interrupted() {
+    trap '' INT TERM HUP USR1
+    [ -z "$worker" ] || kill -KILL -- "-$worker" 2>/dev/null || true
+    rm -f -- "$unfinished"
+    exit 75
+}
+set -m
+trap interrupted INT TERM HUP USR1
+make &
+worker=$!
+status=0
+while :; do
+    wait "$worker" && status=0 || status=$?
+    kill -0 "$worker" 2>/dev/null || break
+done
+rm -f -- "$unfinished"
+exit $status

@@ -61,7 +61,7 @@ inputs=(-- "$1" "$2")
 
 # Records the expected frames; frames that are there of something else count as missing from now on.
 "${command[@]}" --prepare sequence "${inputs[@]}"
-mkdir -p -- "$frames_dir/logs"
+mkdir -p -- "$frames_dir/logs" || fail "its folder logs cannot be made"
 entry() { "$FLYTHROUGH" status --get "$1" -- "$frames_dir"; }
 count=$(entry frames)
 largest_array=$(scontrol show config | sed -nE 's/^MaxArraySize *= *([0-9]+).*/\1/p')
@@ -69,14 +69,16 @@ needed=$(( (count + largest_array - 1) / largest_array ))
 [ "$chunk" -ge "$needed" ] || chunk=$needed
 tasks=$("$FLYTHROUGH" missing --quiet --format slurm --chunk "$chunk" -- "$frames_dir")
 
-# What waits of an earlier submission: for tasks that failed, or for frames that are made anew.
+# What waits of an earlier submission: for tasks that failed, or for frames that are made anew. The file holds the ids of
+# jobs, each on a line.
 jobs=$frames_dir/logs/jobs
-if [ -f "$jobs" ]; then
-    while read -r id; do
-        [[ ! $id =~ ^[0-9]+$ ]] || scancel --quiet --state=PENDING "$id" || true
-    done < "$jobs"
+if [ -e "$jobs" ] || [ -L "$jobs" ]; then
+    { [ ! -L "$jobs" ] && [ -f "$jobs" ] && ! grep -qvE '^[0-9]+$' -- "$jobs"; } \
+        || fail "$(LC_ALL=C printf %q "$jobs"): is not this script's list of jobs; move it away"
+    while read -r id; do scancel --quiet --state=PENDING "$id" || true; done < "$jobs"
 fi
-: > "$jobs"
+list=$(mktemp -- "$jobs.XXXXXXXXXX")
+mv -fT -- "$list" "$jobs"
 
 # Submits a job by its name, the pattern of its log and options of sbatch, and puts its id into $id. The batch script
 # comes on stdin.

@@ -2,9 +2,10 @@
 //! the input hash, and the [`BakeState`] in postcard encoding.
 
 use super::bake_state::BakeState;
-use crate::storage::{FileError, PartFile, read_input};
+use crate::storage::{FileError, FileLock, Folder, PartFile, WaitListener, read_input};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use thiserror::Error;
 
 /// First bytes of the file: name and version of the format.
@@ -69,6 +70,23 @@ impl CacheFile {
             file: file.to_owned(),
             input_hash,
         }
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.file
+    }
+
+    /// Waits for the right to write the file. The listener hears of a process that is waited for.
+    pub fn lock(&self, listener: WaitListener) -> Result<Option<FileLock>, CacheFileError> {
+        let (folder, name) = Folder::of_file(&self.file)?;
+        Ok(folder.lock_with_timeout(name, Duration::MAX, listener)?)
+    }
+
+    /// The names of the camera paths that it holds now; none if it is not there or not this cache.
+    pub fn camera_paths(&self) -> Vec<String> {
+        let found = self.read(false).ok().flatten();
+        found.map_or(Vec::new(), |found| found.camera_paths().to_vec())
     }
 
     /// Begins the file that [`CacheFile::finish`] ends, before the cache is baked: so it is known early that it can be

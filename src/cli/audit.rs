@@ -46,7 +46,8 @@ pub(super) fn run(arguments: &AuditArguments, interrupt: Interrupt) -> Result<St
     job.check_room()?;
     warn(&job.inputs().scene.warnings);
     let sequence = job.sequence(&out)?;
-    if sequence.input_hashes != folder.sequence().input_hashes {
+    let contradictions = sequence.contradictions(folder.sequence());
+    if sequence.input_hashes != folder.sequence().input_hashes || !contradictions.is_empty() {
         let out = out.display();
         return Err(format!(
             "{out}: scene, path or what they name have changed since; render the sequence again"

@@ -1,7 +1,7 @@
 //! `bake`: the irradiance cache of a camera path, for jobs that share it; and what other commands say when they bake.
 
 use super::job_args::{InputArguments, SettingsArguments, ThreadsArgument};
-use super::outcome::{Failure, Status, error_summary, say, warn};
+use super::outcome::{Failure, Status, error_summary, say, say_waiting, warn};
 use super::progress::{FractionProgress, clock};
 use crate::bake::Baked;
 use crate::job::{BakeOutcome, Job, JobOptions, KeepCache, Spec};
@@ -63,7 +63,7 @@ pub(super) fn bake(job: &mut Job, keep: KeepCache, quiet: bool) -> Result<(), Fa
     let start = Instant::now();
     let progress = FractionProgress::new(quiet);
     let settings = job.settings().clone();
-    let outcome = job.bake(&|done, what| progress.at(done, what), keep);
+    let outcome = job.bake(&|done, what| progress.at(done, what), keep, &say_waiting);
     progress.finish();
     let Some(BakeOutcome {
         baked,

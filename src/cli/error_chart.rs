@@ -1,7 +1,7 @@
 //! `errors.svg`: the estimated error of each frame, over the sequence.
 
 use crate::drawing::chart::{Axis, Chart, Point, Series};
-use crate::frames::FrameRecord;
+use crate::frames::{ERROR_CHART_TITLE, FrameRecord};
 use std::io;
 
 /// The chart as the text of an SVG file.
@@ -20,7 +20,7 @@ pub(super) fn error_chart(frames: &[FrameRecord]) -> io::Result<Option<String>> 
         logarithmic: false,
     };
     let chart = Chart {
-        title: "Error of each frame".to_owned(),
+        title: ERROR_CHART_TITLE.to_owned(),
         x: axis("frame"),
         y: axis("relMSE"),
         series: vec![Series {

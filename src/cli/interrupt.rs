@@ -2,21 +2,23 @@
 
 use super::outcome::{Status, complain};
 use crate::storage::remove_unfinished;
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1};
+use rustix::process::Signal;
+use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGTERM, SIGUSR1};
+use signal_hook::flag;
 use signal_hook::iterator::Signals;
 use std::fs;
 use std::io;
 use std::process::exit;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
 /// How long the rendering of frames may take to stop: a tile may take minutes.
-const UNTIL_STOPPED: Duration = Duration::from_millis(700);
+const UNTIL_STOPPED: Duration = Duration::from_millis(600);
 
-/// How long the end of a command may take after that: its frames are listed.
-const UNTIL_LISTED: Duration = Duration::from_secs(10);
+/// How long the listing of the frames may take after that; it can be done again.
+const UNTIL_LISTED: Duration = Duration::from_millis(300);
 
 /// What signals do.
 ///
@@ -38,6 +40,12 @@ const STOPPED: u8 = 3;
 
 impl Interrupt {
     pub(super) fn install() -> io::Result<Interrupt> {
+        // A file beyond a limit of its size is an error of the write.
+        flag::register(Signal::XFSZ.as_raw(), Arc::default())?;
+        // The system's memory is exhausted: what a thread was at is lost, but trying again may help.
+        let always = Arc::new(AtomicBool::new(true));
+        flag::register_conditional_shutdown(SIGABRT, Status::SomeFailed as i32, always)?;
+        // Under nohup it is ignored.
         // Under nohup it is ignored.
         let hangup = (!is_ignored(SIGHUP)).then_some(SIGHUP);
         let mut signals = Signals::new([SIGINT, SIGTERM, SIGUSR1].into_iter().chain(hangup))?;
@@ -51,7 +59,7 @@ impl Interrupt {
                 signals.wait().next();
                 let asked =
                     stage.compare_exchange(RENDERING, ASKED, Ordering::SeqCst, Ordering::SeqCst);
-                if asked.is_ok() || stage.load(Ordering::SeqCst) == STOPPED {
+                if asked.is_ok() {
                     wait_for_the_end(&stage, &mut signals);
                 }
                 remove_unfinished();

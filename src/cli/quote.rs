@@ -1,7 +1,7 @@
 //! `quote`: time, disk and memory of a sequence, estimated before it is rendered.
 
 use super::job_args::JobArguments;
-use super::outcome::{Failure, Status, warn};
+use super::outcome::{Failure, Status, say_waiting, warn};
 use super::progress::{FractionProgress, clock};
 use super::values::parse_time;
 use crate::forecast::Forecast;
@@ -60,7 +60,13 @@ pub(super) fn run(arguments: &QuoteArguments) -> Result<Status, Failure> {
     super::bake::bake(&mut job, KeepCache::IfPossible, arguments.quiet)?;
     let progress = FractionProgress::new(arguments.quiet);
     let listener = |done: f64, what: &'static str| progress.at(done, what);
-    let saved = SavedEstimate::new(&mut job, arguments.budget, folder.as_ref(), &listener);
+    let saved = SavedEstimate::new(
+        &mut job,
+        arguments.budget,
+        folder.as_ref(),
+        &listener,
+        &say_waiting,
+    );
     progress.finish();
     let SavedEstimate {
         choice, estimate, ..

@@ -6,7 +6,7 @@ use super::error_chart::error_chart;
 use super::frames::FrameRanges;
 use super::interrupt::Interrupt;
 use super::job_args::JobArguments;
-use super::outcome::{Failure, Status, error_summary, say, say_waiting, warn};
+use super::outcome::{Failure, Status, error_summary, keep, say, say_waiting, warn};
 use super::progress::{FractionProgress, SequenceProgress, clock, rays_per_second};
 use super::quote::accuracy_lines;
 use super::values::{OrderArgument, PrepareArgument, ProgressArgument, parse_time};
@@ -273,6 +273,13 @@ fn is_proven(folder: &FrameFolder, frames: &[u32], job: &Job, quiet: bool) -> bo
             file.display()
         )]);
     }
+    let changed_inputs = job.changed_inputs();
+    for file in &changed_inputs {
+        let file = file.display();
+        warn(&[format!(
+            "{file}: has changed since it was loaded; render the sequence again"
+        )]);
+    }
     let is_recorded = folder.is_recorded();
     if !is_recorded {
         let file = folder.sequence_file();
@@ -281,7 +288,7 @@ fn is_proven(folder: &FrameFolder, frames: &[u32], job: &Job, quiet: bool) -> bo
             file.display()
         )]);
     }
-    changed.is_empty() && is_recorded
+    changed.is_empty() && changed_inputs.is_empty() && is_recorded
 }
 
 fn frames_in_words(count: usize) -> String {
@@ -342,7 +349,8 @@ fn list(folder: &FrameFolder, job: &Job, changed: bool) -> bool {
 /// Makes a contact sheet of frames, and says where it is.
 fn show(folder: &FrameFolder, frames: &[u32], quiet: bool) -> bool {
     let sheet = folder.sheet();
-    let drawn = write_contact_sheet(folder, frames, &sheet);
+    let drawn = keep(&sheet, folder.has_its_sheet())
+        .and_then(|()| Ok(write_contact_sheet(folder, frames, &sheet)?));
     match &drawn {
         Err(error) => warn(&[error.to_string()]),
         Ok(()) if quiet => {}

@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &SheetArguments) -> Result<Status, Failure> {
         let file = file.display();
         return Err(format!("--out: {file}: the sheet is a PNG file: name it .png").into());
     }
-    let is_own = file == folder.sheet() && folder.has_its_sheet();
+    let is_own = folder.is_sheet(&file) && folder.has_its_sheet();
     keep(&file, arguments.replace || is_own)?;
     write_contact_sheet(&folder, &frames, &file)?;
     if !arguments.quiet {

@@ -3,6 +3,9 @@
 /// The keyword of the PNG text chunk, and the name of the EXR attribute, that holds a file's metadata.
 pub(super) const METADATA_KEY: &str = "flythrough";
 
+/// The metadata of a frame stands within so many bytes from the beginning of its file.
+pub(super) const METADATA_WITHIN: u64 = 1 << 20;
+
 /// The pixels of an image as a file stores them.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct EncodedPixels {

@@ -1,12 +1,12 @@
 //! OpenEXR files: linear light in 32-bit floats, with metadata in an attribute.
 
-use super::encoded_pixels::{Contents, EncodedPixels, METADATA_KEY};
+use super::encoded_pixels::{Contents, EncodedPixels, METADATA_KEY, METADATA_WITHIN};
 use crate::film::Film;
 use exr::meta::MetaData;
 use exr::prelude::*;
 use glam::Vec3;
 use std::fs::File;
-use std::io::{self, BufReader, Cursor};
+use std::io::{self, BufReader, Cursor, Read as _};
 
 /// The bytes of a file that holds a film, with `metadata` in its `flythrough` attribute.
 pub fn encode(film: &Film, metadata: &str) -> io::Result<Vec<u8>> {
@@ -28,8 +28,8 @@ pub fn encode(film: &Film, metadata: &str) -> io::Result<Vec<u8>> {
 
 /// The `flythrough` attribute of a file; none if it has none.
 pub(super) fn read_metadata(file: File) -> io::Result<Option<String>> {
-    let meta =
-        MetaData::read_from_buffered(BufReader::new(file), false).map_err(io::Error::other)?;
+    let meta = MetaData::read_from_buffered(BufReader::new(file.take(METADATA_WITHIN)), false)
+        .map_err(io::Error::other)?;
     Ok(metadata_in(&meta))
 }
 

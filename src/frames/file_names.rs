@@ -35,8 +35,8 @@ pub(super) const CACHE_FILE: &str = "irradiance.cache";
 /// The first row of the table of errors.
 pub(super) const ERROR_TABLE_HEADER: &str = "frame,relMSE,low,high\n";
 
-/// The most bytes that the program reads of a text file that it wrote: ten million frames take less.
-pub(super) const MAX_TEXT: u64 = 1 << 31;
+/// The most bytes that the program reads of a text file that it wrote: three million frames take less.
+pub(super) const MAX_TEXT: u64 = 1 << 28;
 
 /// The name of the file of a frame.
 pub(super) fn frame_name(frame: u32, format: FrameFormat) -> String {
@@ -72,7 +72,7 @@ pub(super) fn is_own(folder: &Folder, name: &str) -> bool {
         MANIFEST_FILE => b"Manifest(",
         CAMERAS_FILE => b"{\"frame\":0,",
         ERROR_TABLE => ERROR_TABLE_HEADER.as_bytes(),
-        ERROR_CHART => b"<svg",
+        ERROR_CHART => return is_error_chart(folder),
         ESTIMATE_FILE => b"Estimate(",
         CACHE_FILE => b"flythrough irradiance cache",
         SHEET_FILE => return is_sheet(folder, name),
@@ -85,6 +85,14 @@ pub(super) fn is_own(folder: &Folder, name: &str) -> bool {
 
 /// The metadata of a contact sheet.
 pub(super) const SHEET_METADATA: &str = "contact sheet";
+
+/// The title of the chart of errors.
+pub const ERROR_CHART_TITLE: &str = "Error of each frame";
+
+fn is_error_chart(folder: &Folder) -> bool {
+    let text = folder.read_text(ERROR_CHART, MAX_TEXT);
+    text.is_ok_and(|text| text.starts_with("<svg") && text.contains(ERROR_CHART_TITLE))
+}
 
 fn is_sheet(folder: &Folder, name: &str) -> bool {
     let file = folder.open_file(name).ok();

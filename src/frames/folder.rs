@@ -3,8 +3,8 @@
 
 use super::encoded_pixels::EncodedPixels;
 use super::file_names::{
-    CAMERAS_FILE, MAX_TEXT, SEQUENCE_FILE, SHEET_FILE, error_map_name, frame_name, is_own,
-    is_written,
+    CACHE_FILE, CAMERAS_FILE, MAX_TEXT, SEQUENCE_FILE, SHEET_FILE, error_map_name, frame_name,
+    is_own, is_written,
 };
 use super::format::FrameFormat;
 use super::proof::{FileHash, FrameProof};
@@ -156,6 +156,14 @@ impl FrameFolder {
             let text = text.map_err(|error| {
                 FileError::writing(&folder.file(SEQUENCE_FILE), std::io::Error::other(error))
             })?;
+            if text.len() as u64 > MAX_TEXT {
+                let why = "more frames than a folder can record: split the path";
+                return Err(FileError::writing(
+                    &folder.file(SEQUENCE_FILE),
+                    std::io::Error::other(why),
+                )
+                .into());
+            }
             folder.write_atomic(SEQUENCE_FILE, text.as_bytes())?;
         }
         *self.prepared_file() = folder.identity_of(SEQUENCE_FILE);
@@ -199,11 +207,6 @@ impl FrameFolder {
     pub fn is_recorded(&self) -> bool {
         let there = self.recorded();
         there.is_some_and(|there| there.has_the_frames_of(&self.sequence))
-    }
-
-    /// Whether there is a `sequence.ron`, of whichever frames.
-    pub(super) fn has_a_sequence(&self) -> bool {
-        self.recorded().is_some()
     }
 
     fn recorded(&self) -> Option<SequenceRecord> {
@@ -276,11 +279,12 @@ impl FrameFolder {
 
     /// Whether a file has a name that the folder keeps for its own files, other than the contact sheet.
     pub fn is_reserved(&self, file: &Path) -> bool {
-        let parent = file.parent().filter(|parent| *parent != Path::new(""));
-        let parent = fs::canonicalize(parent.unwrap_or(Path::new(".")));
-        let is_here = parent.is_ok_and(|p| fs::canonicalize(&self.path).is_ok_and(|f| f == p));
-        let name = file.file_name().unwrap_or_default().to_string_lossy();
-        is_here && is_written(&name) && name != SHEET_FILE
+        is_written_to(&self.path, file).is_some_and(|name| name != SHEET_FILE)
+    }
+
+    /// Whether a file is the contact sheet, however it is named.
+    pub fn is_sheet(&self, file: &Path) -> bool {
+        is_written_to(&self.path, file).is_some_and(|name| name == SHEET_FILE)
     }
 
     /// Verifies that all files of a frame are there, whole, unchanged, and made from the inputs of the sequence.
@@ -435,6 +439,19 @@ impl FrameFolder {
         let samples = 3 * format.bytes_per_channel() as u64 * pixels;
         samples + samples / 8 + (1 << 12)
     }
+}
+
+/// Whether a file has a name that a folder of frames keeps for its own files, other than the irradiance cache.
+pub fn is_name_of_frames(folder: &Path, file: &Path) -> bool {
+    is_written_to(folder, file).is_some_and(|name| name != CACHE_FILE)
+}
+
+/// The name of a file that is written to a folder of frames; none of others.
+fn is_written_to(folder: &Path, file: &Path) -> Option<String> {
+    let parent = file.parent().filter(|parent| *parent != Path::new(""));
+    let parent = fs::canonicalize(parent.unwrap_or(Path::new("."))).ok()?;
+    let name = file.file_name()?.to_string_lossy().into_owned();
+    (fs::canonicalize(folder).ok()? == parent && is_written(&name)).then_some(name)
 }
 
 impl FrameSink for FrameFolder {

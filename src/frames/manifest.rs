@@ -1,6 +1,8 @@
 //! `manifest.ron`: the records of all frames of a folder, with a table and a chart of their errors.
 
-use super::file_names::{ERROR_CHART, ERROR_TABLE, ERROR_TABLE_HEADER, MANIFEST_FILE, MAX_TEXT};
+use super::file_names::{
+    ERROR_CHART, ERROR_TABLE, ERROR_TABLE_HEADER, MANIFEST_FILE, MAX_TEXT, is_own,
+};
 use super::folder::FrameFolder;
 use super::record::FrameRecord;
 use crate::storage::{FileError, Folder, WaitListener};
@@ -77,7 +79,9 @@ impl Manifest {
         for (name, text) in [(ERROR_TABLE, table), (ERROR_CHART, drawn)] {
             match text {
                 Some(text) => folder.write_atomic(name, text.as_bytes())?,
-                None => folder.remove(name)?,
+                // Of another mode than this sequence's.
+                None if is_own(folder, name) => folder.remove(name)?,
+                None => {}
             }
         }
         Ok(())

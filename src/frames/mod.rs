@@ -21,7 +21,8 @@ mod verify;
 #[cfg(feature = "plots")]
 pub use contact_sheet::write_contact_sheet;
 pub use exr::{decode_with_metadata as decode_exr, encode as encode_exr};
-pub use folder::{FolderError, FrameFolder, FrameLock};
+pub use file_names::ERROR_CHART_TITLE;
+pub use folder::{FolderError, FrameFolder, FrameLock, is_name_of_frames};
 pub use format::{FrameFormat, write_png};
 pub use manifest::Manifest;
 pub use others::Stray;

@@ -52,17 +52,14 @@ impl FrameFolder {
                     .then(|| record.build.clone()),
             });
         }
-        if self.has_a_sequence() {
-            if folder.contains(CACHE_FILE) && self.has_another_sequence() {
-                return Err(FolderError::OthersCache {
-                    file: folder.file(CACHE_FILE),
-                });
-            }
-        } else {
-            let beside = BESIDE_FRAMES.iter().chain([&SEQUENCE_FILE]);
-            let beside = beside.filter_map(|name| names.get(*name));
-            foreign.extend(beside.filter(|name| !is_own(folder, name)));
+        if folder.contains(CACHE_FILE) && self.has_another_sequence() {
+            return Err(FolderError::OthersCache {
+                file: folder.file(CACHE_FILE),
+            });
         }
+        let beside = BESIDE_FRAMES.iter().chain([&SEQUENCE_FILE]);
+        let beside = beside.filter_map(|name| names.get(*name));
+        foreign.extend(beside.filter(|name| !is_own(folder, name)));
         match foreign[..] {
             [first, ..] if !is_ours => Err(FolderError::Foreign {
                 file: folder.file(first),

@@ -1,9 +1,9 @@
 //! PNG files: sRGB codes, with metadata in a text chunk.
 
-use super::encoded_pixels::{Contents, EncodedPixels, METADATA_KEY};
+use super::encoded_pixels::{Contents, EncodedPixels, METADATA_KEY, METADATA_WITHIN};
 use png::{BitDepth, ColorType, DecodeOptions, Decoder, Info, Limits};
 use std::fs::File;
-use std::io::{self, BufReader, Cursor};
+use std::io::{self, BufReader, Cursor, Read};
 
 /// The most memory for what is in a file beside pixels: a profile of a few bytes may claim gigabytes.
 const LIMITS: Limits = Limits { bytes: 64 << 20 };
@@ -68,7 +68,8 @@ pub(super) fn decode(bytes: &[u8], depth: BitDepth, size: (u32, u32)) -> Result<
 
 /// The `flythrough` text chunk of a file; none if it has none.
 pub(super) fn read_metadata(file: File) -> io::Result<Option<String>> {
-    let reader = Decoder::new_with_limits(BufReader::new(file), LIMITS).read_info()?;
+    let reader =
+        Decoder::new_with_limits(BufReader::new(file.take(METADATA_WITHIN)), LIMITS).read_info()?;
     Ok(metadata_in(reader.info()))
 }
 

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 /// Reads input files and hashes their contents, which identify the inputs of frames.
 #[derive(Debug, Default)]
 pub struct InputFiles {
-    /// Hashes of the contents, in the order in which the files were read.
-    hashes: Vec<blake3::Hash>,
+    /// The files and the hashes of their contents, in the order in which they were read.
+    read: Vec<(PathBuf, blake3::Hash)>,
 }
 
 impl InputFiles {
@@ -19,7 +19,7 @@ impl InputFiles {
         let length = fs::metadata(file).map_or(0, |is| is.len());
         check_room(&file.display().to_string(), length, "use a smaller file")?;
         let bytes = read_input(file, u64::MAX)?;
-        self.hashes.push(blake3::hash(&bytes));
+        self.read.push((file.to_owned(), blake3::hash(&bytes)));
         Ok(bytes)
     }
 
@@ -41,10 +41,20 @@ impl InputFiles {
         })
     }
 
+    /// The files whose contents have changed since they were read, or that cannot be read any more.
+    pub fn changed(&self) -> Vec<&Path> {
+        let is_changed = |(file, hash): &&(PathBuf, blake3::Hash)| {
+            let now = read_input(file, u64::MAX);
+            !now.is_ok_and(|bytes| blake3::hash(&bytes) == *hash)
+        };
+        let changed = self.read.iter().filter(is_changed);
+        changed.map(|(file, _)| &**file).collect()
+    }
+
     /// A hash of the contents of all files read so far, in their order. Names and folders do not count.
     pub fn fingerprint(&self) -> blake3::Hash {
         let mut hasher = blake3::Hasher::new();
-        for hash in &self.hashes {
+        for (_, hash) in &self.read {
             hasher.update(hash.as_bytes());
         }
         hasher.finalize()

@@ -7,7 +7,7 @@ use super::options::JobOptions;
 use crate::bake::{BakeState, Baked, CacheFile, CacheFileError, Listener, bake_with_room};
 use crate::memory::check_room;
 use crate::render::RenderSettings;
-use crate::storage::PartFile;
+use crate::storage::{PartFile, WaitListener};
 use std::path::{Path, PathBuf};
 
 /// The location of an irradiance cache.
@@ -34,7 +34,11 @@ pub enum KeepCache {
 #[derive(Debug)]
 pub struct OpenedCache {
     file: Option<CacheFile>,
+    /// Whether other jobs may write the file.
+    is_shared: bool,
     found: Option<BakeState>,
+    /// The hashes of the paths that were found in it.
+    camera_paths: Vec<String>,
     /// Names the path in the cache.
     path_hash: String,
     /// The build of the program that began the cache: another one than this only if it is accepted.
@@ -53,8 +57,13 @@ impl OpenedCache {
         let path_hash = inputs.path_hash.to_string();
         let of_build =
             |file: &Path, build: &str| CacheFile::new(file, cache_hash(inputs, settings, build));
+        let is_shared = matches!(location, CacheLocation::Shared(_));
         let opened = |file: Option<CacheFile>, found: Option<BakeState>, build: &str| OpenedCache {
             file,
+            is_shared,
+            camera_paths: found
+                .as_ref()
+                .map_or(Vec::new(), |found| found.camera_paths().to_vec()),
             found,
             path_hash: path_hash.clone(),
             build: build.to_owned(),
@@ -115,12 +124,23 @@ impl OpenedCache {
 
     /// Bakes what is missing, and writes the file. If that fails and it need not be kept, also returns why.
     pub fn bake(
-        self,
+        mut self,
         inputs: &Inputs,
         settings: &RenderSettings,
         listener: Listener,
         keep: KeepCache,
+        waiting: WaitListener,
     ) -> Result<(Baked, Option<CacheFileError>), JobError> {
+        let mut lock = None;
+        if !self.is_complete(settings)
+            && let Some(file) = &self.file
+        {
+            // If it cannot be locked it cannot be written, which is found below.
+            lock = file.lock(waiting).ok().flatten();
+            if let Some(baked) = self.baked_meanwhile(file)? {
+                self.found = Some(baked);
+            }
+        }
         let is_complete = self.is_complete(settings);
         let file = self.file.filter(|_| !is_complete);
         let mut not_kept = None;
@@ -154,7 +174,23 @@ impl OpenedCache {
         if let Some((file, begun)) = file.zip(begun) {
             tolerate(file.finish(begun, &baked.state).map(|()| None))?;
         }
+        drop(lock);
         Ok((baked, not_kept))
+    }
+
+    /// What another process has baked meanwhile for the same frames, now that nobody else writes the file.
+    fn baked_meanwhile(&self, file: &CacheFile) -> Result<Option<BakeState>, JobError> {
+        let now = file.read(false).ok().flatten();
+        let paths = now.as_ref().map_or(&[][..], |now| now.camera_paths());
+        if paths == self.identity().paths {
+            Ok(now)
+        } else if paths == self.camera_paths || !self.is_shared {
+            Ok(None)
+        } else {
+            Err(JobError::CacheChanged {
+                file: file.path().to_owned(),
+            })
+        }
     }
 }
 

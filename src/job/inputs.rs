@@ -15,6 +15,8 @@ pub struct Inputs {
     pub scene: SceneInput,
     /// The camera path.
     pub path: CameraPathInput,
+    /// The files of both, as they were read.
+    files: [InputFiles; 2],
     /// A hash of every file that the scene is made of.
     pub scene_hash: blake3::Hash,
     /// A hash of the path's file.
@@ -40,6 +42,7 @@ impl Inputs {
             path,
             scene_hash: scene_files.fingerprint(),
             path_hash: path_files.fingerprint(),
+            files: [scene_files, path_files],
             pool,
         })
     }
@@ -48,6 +51,11 @@ impl Inputs {
     pub fn settings(&self, overrides: Settings) -> Settings {
         let of_files = self.path.settings.clone().or(self.scene.settings.clone());
         overrides.or(of_files)
+    }
+
+    /// The files that have changed since they were loaded.
+    pub fn changed_files(&self) -> Vec<&Path> {
+        self.files.iter().flat_map(InputFiles::changed).collect()
     }
 
     /// Frames of the path.

@@ -2,13 +2,13 @@
 
 use super::cache::{CacheLocation, KeepCache, OpenedCache};
 use super::error::JobError;
-use super::identity::{BUILD, CacheIdentity, SequenceInputs};
+use super::identity::{BUILD, CacheIdentity, SequenceInputs, cache_hash};
 use super::inputs::Inputs;
 use super::options::JobOptions;
-use super::spec::Spec;
-use crate::bake::{Baked, CacheFileError, Listener};
+use super::spec::{Spec, is_same};
+use crate::bake::{Baked, CacheFile, CacheFileError, Listener};
 use crate::forecast::Workload;
-use crate::frames::{FrameFolder, SequenceRecord};
+use crate::frames::{FrameFolder, SequenceRecord, is_name_of_frames};
 use crate::input::{GlobalIllumination, Mode, Settings};
 use crate::integrator::IntegratorSettings;
 use crate::memory::check_room;
@@ -16,7 +16,9 @@ use crate::render::{
     FRAMES_IN_FLIGHT, FrameSink, Outcome, PixelSampling, RenderObserver, RenderSettings, Renderer,
     frame_memory,
 };
+use crate::storage::WaitListener;
 use rayon::ThreadPool;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 /// About the memory that a frame of the path takes before it is rendered: its camera, hashes and records.
@@ -129,6 +131,25 @@ impl Job {
         recorded.is_some_and(|there| there.has_the_files_of(&self.spec))
     }
 
+    /// What has changed since the job was loaded: files of the scene and the path, and the shared irradiance cache. What
+    /// frames were made from is no longer what is there.
+    pub fn changed_inputs(&self) -> Vec<PathBuf> {
+        let mut changed: Vec<PathBuf> = self
+            .inputs
+            .changed_files()
+            .into_iter()
+            .map(Path::to_owned)
+            .collect();
+        if let (Some(file), Some(identity)) = (&self.spec.irradiance_cache, &self.cache_identity) {
+            let build = identity.other_build.as_deref().unwrap_or(BUILD);
+            let cache = CacheFile::new(file, cache_hash(&self.inputs, &self.settings, build));
+            if cache.camera_paths() != identity.paths && fs::exists(file).unwrap_or(true) {
+                changed.push(file.clone());
+            }
+        }
+        changed
+    }
+
     /// Its threads, for other work than its own.
     pub fn into_pool(self) -> ThreadPool {
         self.inputs.pool
@@ -167,12 +188,14 @@ impl Job {
         &mut self,
         listener: Listener,
         keep: KeepCache,
+        waiting: WaitListener,
     ) -> Result<Option<BakeOutcome<'_>>, JobError> {
         let Some(opened) = self.opened_cache.take() else {
             return Ok(None);
         };
         let was_complete = opened.is_complete(&self.settings);
-        let (baked, not_kept) = opened.bake(&self.inputs, &self.settings, listener, keep)?;
+        let (baked, not_kept) =
+            opened.bake(&self.inputs, &self.settings, listener, keep, waiting)?;
         Ok(Some(BakeOutcome {
             baked: self.baked.insert(baked),
             was_complete,
@@ -290,6 +313,13 @@ fn open_cache(
             Some(_) => Err(JobError::UnusedCache),
             None => Ok(None),
         };
+    }
+    if let Some(file) = &spec.irradiance_cache
+        && (is_same(file, &spec.scene)
+            || is_same(file, &spec.path)
+            || folder.is_some_and(|folder| is_name_of_frames(folder, file)))
+    {
+        return Err(JobError::CacheName { file: file.clone() });
     }
     let location = match (&spec.irradiance_cache, folder) {
         (Some(file), _) => CacheLocation::Shared(file.clone()),

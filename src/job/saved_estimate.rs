@@ -61,11 +61,12 @@ impl SavedEstimate {
         budget: Option<Duration>,
         out: Option<&Folder>,
         listener: Listener,
+        waiting: WaitListener,
     ) -> Result<SavedEstimate, JobError> {
         if budget.is_some() && job.settings().target_error.is_some() {
             return Err(JobError::BudgetWithTargetError);
         }
-        job.bake(listener, KeepCache::IfPossible)?;
+        job.bake(listener, KeepCache::IfPossible, waiting)?;
         let memory = resident().map_or(0.0, |[now, _]| now as f64);
         let folder = out.map_or(Path::new("."), Folder::path);
         let sequence = job.sequence(folder)?;
@@ -177,7 +178,7 @@ pub fn choose_samples_for_budget(
     if !replace {
         FrameFolder::new(out.path(), job.sequence(out.path())?, false).check_unoccupied()?;
     }
-    SavedEstimate::new(job, Some(budget), Some(out), listener).map(|saved| saved.choice)
+    SavedEstimate::new(job, Some(budget), Some(out), listener, waiting).map(|saved| saved.choice)
 }
 
 /// A hash of the inputs of all frames.

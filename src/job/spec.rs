@@ -100,7 +100,6 @@ impl Spec {
 
     /// Whether both name the same scene and the same camera path.
     pub(super) fn has_the_files_of(&self, other: &Spec) -> bool {
-        let is_same = |a: &Path, b: &Path| absolute(a).ok() == absolute(b).ok();
         is_same(&self.scene, &other.scene) && is_same(&self.path, &other.path)
     }
 
@@ -112,6 +111,11 @@ impl Spec {
             ..self
         })
     }
+}
+
+/// Whether two names are of one file.
+pub(super) fn is_same(a: &Path, b: &Path) -> bool {
+    absolute(a).ok() == absolute(b).ok()
 }
 
 /// A file's name from the root, links on the way to it resolved as far as they exist: `..` is then the folder above.

@@ -50,7 +50,7 @@ impl Folder {
     }
 
     /// The folder of a file, and the file's name in it.
-    pub(super) fn of_file(file: &Path) -> Result<(Folder, &OsStr), FileError> {
+    pub fn of_file(file: &Path) -> Result<(Folder, &OsStr), FileError> {
         let none = || FileError::writing(file, io::Error::other("it is no name of a file"));
         let name = file.file_name().ok_or_else(none)?;
         let parent = file.parent().unwrap_or(Path::new(""));

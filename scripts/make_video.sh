@@ -132,6 +132,9 @@ worker=''
 # shellcheck disable=SC2317 # called by the trap
 interrupted() {
     trap '' INT TERM HUP USR1
+    echo "make_video: interrupted" >&2
+    # The shell would say what it has killed.
+    exec 2>/dev/null
     [ -z "$worker" ] || kill -KILL -- "-$worker" 2>/dev/null || true
     rm -f -- "$unfinished"
     exit 75

@@ -18,7 +18,6 @@ use crate::render::{
 };
 use crate::storage::WaitListener;
 use rayon::ThreadPool;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// About the memory that a frame of the path takes before it is rendered: its camera, hashes and records.
@@ -143,7 +142,12 @@ impl Job {
         if let (Some(file), Some(identity)) = (&self.spec.irradiance_cache, &self.cache_identity) {
             let build = identity.other_build.as_deref().unwrap_or(BUILD);
             let cache = CacheFile::new(file, cache_hash(&self.inputs, &self.settings, build));
-            if cache.camera_paths() != identity.paths && fs::exists(file).unwrap_or(true) {
+            let mut paths = cache.camera_paths();
+            let own = self.inputs.path_hash.to_string();
+            if !paths.contains(&own) {
+                paths.push(own);
+            }
+            if paths != identity.paths {
                 changed.push(file.clone());
             }
         }

@@ -119,6 +119,53 @@ fn another_path_adds_the_records_it_needs() {
     }
 }
 
+/// Two paths at once: whoever is late runs again, and a success is one.
+#[test]
+fn paths_that_are_baked_into_one_file_at_once_do_not_lose_each_other() {
+    let folder = Folder::new();
+    let cache = folder.text("gi.cache");
+    let render = |path: &str| folder.render(&format!("{path}.ron"), path, &["--gi-cache", &cache]);
+    let both = || {
+        std::thread::scope(|scope| {
+            let left = scope.spawn(|| render("left"));
+            let right = render("right");
+            [left.join().unwrap(), right]
+        })
+    };
+    for number in 0..3 {
+        let results = both();
+        for ((status, printed), out) in results.iter().zip(["left", "right"]) {
+            assert!(matches!(status, Some(0 | 3)), "{printed}");
+            let verified = flythrough(&["verify", &folder.text(out)]).status.code();
+            assert!(
+                verified == Some(0) || *status == Some(3) || number == 0,
+                "{printed}"
+            );
+        }
+    }
+    for path in ["left", "right"] {
+        assert_done(render(path));
+        assert_eq!(
+            flythrough(&["verify", &folder.text(path)]).status.code(),
+            Some(0)
+        );
+    }
+}
+
+#[test]
+fn a_cache_has_no_name_of_another_file() {
+    let folder = Folder::new();
+    for name in ["frames/frame_00003.png", "frames/sequence.ron", "left.ron"] {
+        let _ = fs::create_dir(folder.file("frames"));
+        let cache = folder.text(name);
+        let more = ["--gi-cache", &cache, "--force", "--replace"];
+        assert_refused(
+            folder.render("left.ron", "frames", &more),
+            "use another name",
+        );
+    }
+}
+
 #[test]
 fn a_cache_of_other_inputs_is_refused() {
     let folder = Folder::new();

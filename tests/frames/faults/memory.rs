@@ -118,6 +118,76 @@ fn what_does_not_fit_into_memory_is_refused() {
     assert_eq!(status, Some(0), "{printed}");
 }
 
+/// A file that may not become so long is an error of its writing, and leaves nothing.
+#[test]
+fn files_beyond_a_limit_of_their_size_end_no_process() {
+    let batch = Batch::new(2);
+    let path = batch.folder.path().join("p.ron");
+    let out = batch.out();
+    let (path, plot) = (path.to_str().unwrap(), batch.folder.path().join("plot.svg"));
+    let scene = "scenes/test3.ron";
+    for arguments in [
+        &[
+            "render",
+            scene,
+            path,
+            "-o",
+            out.to_str().unwrap(),
+            "--size",
+            "64x48",
+        ][..],
+        &["path", "plot", scene, path, "-o", plot.to_str().unwrap()],
+    ] {
+        let mut shell = Command::new("bash");
+        shell.args([
+            "-c",
+            "ulimit -f 1; exec \"$@\"",
+            "bash",
+            env!("CARGO_BIN_EXE_flythrough"),
+        ]);
+        let output = shell.args(arguments).current_dir(root()).output().unwrap();
+        let printed = stderr(&output);
+        assert!(
+            matches!(output.status.code(), Some(2 | 3)),
+            "{:?}: {printed}",
+            output.status
+        );
+        assert!(printed.contains("File too large"), "{printed}");
+    }
+    for folder in [&out, &batch.folder.path().to_owned()] {
+        assert_eq!(partial_files(folder), [""; 0].map(PathBuf::from));
+    }
+}
+
+/// What is named like a frame is read as far as a frame's metadata may stand.
+#[test]
+fn metadata_without_end_is_not_read() {
+    let batch = Batch::new(2);
+    let out = batch.out();
+    assert_eq!(
+        batch.render(&out, &["--size", "16x12"]).status.code(),
+        Some(0)
+    );
+    let mut file = fs::File::create(out.join("frame_00077.png")).unwrap();
+    let mut encoder = png::Encoder::new(&mut file, 1, 1);
+    for _ in 0..100_000 {
+        encoder
+            .add_text_chunk("a".to_owned(), "b".repeat(80))
+            .unwrap();
+    }
+    encoder
+        .write_header()
+        .unwrap()
+        .write_image_data(&[0])
+        .unwrap();
+    let (status, printed) = limited(200_000, &["verify", out.to_str().unwrap(), "-t", "1"]);
+    assert_eq!(status, Some(3), "{printed}");
+    let exr = fs::File::create(out.join("frame_00078.exr")).unwrap();
+    exr.set_len(1 << 31).unwrap();
+    let (status, printed) = limited(200_000, &["verify", out.to_str().unwrap(), "-t", "1"]);
+    assert_eq!(status, Some(3), "{printed}");
+}
+
 /// The system may grant more of them later.
 #[test]
 fn threads_that_cannot_be_started_are_no_wrong_usage() {

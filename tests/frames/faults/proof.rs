@@ -1,6 +1,7 @@
 //! What happens to frames while others are still rendered: status 0 says that all of them are there.
 
 use super::batch::*;
+use crate::support::project::Project;
 use crate::support::*;
 use std::fs;
 use std::path::Path;
@@ -49,6 +50,42 @@ fn frames_that_change_during_the_run_are_noticed() {
     }
 }
 
+/// Frames of inputs that are no longer there as they were are not those of the request.
+#[test]
+fn inputs_that_change_during_the_run_are_noticed() {
+    let project = Project::new();
+    let more = ["--size", "64x48", "--samples", "64", "--threads", "1"];
+    for name in ["s.ron", "p.ron", "m.obj", "t.png"] {
+        let out = project.folder.path().join(format!("of_{name}"));
+        let file = project.folder.path().join(name);
+        let [scene, path] = ["s.ron", "p.ron"].map(|name| project.folder.path().join(name));
+        let inputs = [
+            scene.to_str().unwrap(),
+            path.to_str().unwrap(),
+            "-o",
+            out.to_str().unwrap(),
+        ];
+        let mut child = start(&[&["render"], &inputs[..], &more].concat());
+        wait_for_file(&mut child, &out.join("frame_00000.png"));
+        let before = fs::read(&file).unwrap();
+        fs::write(&file, [&before[..], b"\n"].concat()).unwrap();
+        let output = ends(child);
+        let printed = stderr(&output);
+        assert_eq!(output.status.code(), Some(3), "{name}: {printed}");
+        assert!(
+            printed.contains(&format!("{name}: has changed since it was loaded")),
+            "{printed}"
+        );
+        fs::write(&file, before).unwrap();
+        assert_eq!(
+            flythrough(&[&["render"], &inputs[..], &more].concat())
+                .status
+                .code(),
+            Some(0)
+        );
+    }
+}
+
 /// The frame rate decides no pixel, but the video.
 #[test]
 fn the_frame_rate_is_proven() {
@@ -76,6 +113,9 @@ fn the_frame_rate_is_proven() {
         "{printed}"
     );
     assert!(printed.contains("5 of 5 frames are verified"), "{printed}");
+    let folder = batch.out();
+    let audit = flythrough(&["audit", folder.to_str().unwrap()]);
+    assert_eq!(audit.status.code(), Some(2), "{}", stderr(&audit));
     // No frame is rendered again.
     let output = batch.render(&batch.out(), &MORE);
     assert_eq!(output.status.code(), Some(0));

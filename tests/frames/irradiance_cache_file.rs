@@ -132,13 +132,14 @@ fn paths_that_are_baked_into_one_file_at_once_do_not_lose_each_other() {
             [left.join().unwrap(), right]
         })
     };
+    // The second time whoever was late adds its path, which makes the frames of the other stale.
     for number in 0..3 {
         let results = both();
         for ((status, printed), out) in results.iter().zip(["left", "right"]) {
             assert!(matches!(status, Some(0 | 3)), "{printed}");
             let verified = flythrough(&["verify", &folder.text(out)]).status.code();
             assert!(
-                verified == Some(0) || *status == Some(3) || number == 0,
+                verified == Some(0) || *status == Some(3) || number < 2,
                 "{printed}"
             );
         }

@@ -48,7 +48,7 @@ fn no_fault_of_the_disk_is_taken_for_a_frame() {
     let whole = batch.undisturbed(&more);
     let library = shim(batch.folder.path());
     let mut finished = 0;
-    for seed in 0..scaled(2, 6, 40) {
+    for seed in 0..scaled(2, 3, 40) {
         for (number, (what, variables)) in FAULTS.into_iter().enumerate() {
             let out = batch.folder.path().join(format!("frames_{number}"));
             let mut command = batch.command(&out, &more);

@@ -83,7 +83,7 @@ fn damage(files: &[(PathBuf, Vec<u8>)], random: &mut Random) {
 #[test]
 fn damaged_folders_are_repaired() {
     for (more, count) in [
-        (&["--size", "8x6"][..], scaled(20, 90, 400)),
+        (&["--size", "8x6"][..], scaled(15, 40, 400)),
         (
             &[
                 "--size",
@@ -95,7 +95,7 @@ fn damaged_folders_are_repaired() {
                 "--aov",
                 "error",
             ],
-            scaled(5, 20, 100),
+            scaled(3, 10, 100),
         ),
     ] {
         let batch = Batch::new(6);
@@ -173,7 +173,7 @@ fn damaged_inputs_are_refused_or_rendered() {
     let baked = fs::read(&cache).unwrap();
     let mut random = Random::new(3);
     let mut statuses = [0; 4];
-    for number in 0..scaled(30, 150, 2000) {
+    for number in 0..scaled(30, 80, 2000) {
         let (file, bytes) = &inputs[random.below(inputs.len())];
         fs::write(file, mutated(bytes, &mut random)).unwrap();
         let output = project.run("render", &more);

@@ -16,7 +16,7 @@ const INTERRUPTED: Option<i32> = Some(75);
 /// Half of the kills are while it starts, half while it renders.
 #[test]
 fn killed_at_any_moment() {
-    let kills = scaled(10, 40, 200);
+    let kills = scaled(10, 25, 200);
     let batch = Batch::new(400);
     let more = [
         "--size",

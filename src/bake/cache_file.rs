@@ -77,10 +77,13 @@ impl CacheFile {
         &self.file
     }
 
-    /// Waits for the right to write the file. The listener hears of a process that is waited for.
+    /// Waits for the right to write the file, and removes what killed processes left of it. The listener hears of a
+    /// process that is waited for.
     pub fn lock(&self, listener: WaitListener) -> Result<Option<FileLock>, CacheFileError> {
         let (folder, name) = Folder::of_file(&self.file)?;
-        Ok(folder.lock_with_timeout(name, Duration::MAX, listener)?)
+        let lock = folder.lock_with_timeout(name, Duration::MAX, listener)?;
+        folder.remove_leftovers(|of| name == of)?;
+        Ok(lock)
     }
 
     /// The names of the camera paths that it holds now; none if it is not there or not this cache.

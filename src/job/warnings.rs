@@ -9,7 +9,7 @@ impl Job {
     /// distance in metres that the camera should keep from surfaces. Of the warnings about frames those are left out
     /// that are about none of `frames`, in rising order.
     ///
-    /// Takes tenths of a second; the result does not depend on threads.
+    /// Takes about as long as loading the scene; the result does not depend on threads.
     pub fn warnings(&self, near: f64, frames: &[u32]) -> Vec<String> {
         let inputs = self.inputs();
         let (settings, scene) = (self.settings(), &inputs.scene);

@@ -118,16 +118,16 @@ make() {
 }
 # Adds a hash to those of the videos that were made; frames that cannot be written have none.
 record() {
-    local list
-    list=$(mktemp -- "$frames/.videos.sha256.XXXXXXXXXX" 2>/dev/null) || return 0
-    [ -L "$made" ] || [ ! -f "$made" ] || cat -- "$made" > "$list"
-    echo "$1" >> "$list"
-    chmod +r -- "$list"
-    mv -fT -- "$list" "$made" || rm -f -- "$list"
+    [ -L "$made" ] || ! grep -qsxF -- "$1" "$made" || return 0
+    (set -C && : > "$hashes") 2>/dev/null || return 0
+    [ -L "$made" ] || [ ! -f "$made" ] || cat -- "$made" > "$hashes"
+    echo "$1" >> "$hashes"
+    mv -fT -- "$hashes" "$made"
 }
 
 # All of it is done by a group of processes of its own: a signal ends them at once, and leaves nothing of them.
 unfinished=$(mktemp -u -- "$folder.make_video.XXXXXXXXXX")
+hashes=$(mktemp -u -- "$frames/.videos.sha256.XXXXXXXXXX")
 worker=''
 # shellcheck disable=SC2317 # called by the trap
 interrupted() {
@@ -136,7 +136,7 @@ interrupted() {
     # The shell would say what it has killed.
     exec 2>/dev/null
     [ -z "$worker" ] || kill -KILL -- "-$worker" 2>/dev/null || true
-    rm -f -- "$unfinished"
+    rm -f -- "$unfinished" "$hashes"
     exit 75
 }
 set -m
@@ -148,5 +148,5 @@ while :; do
     wait "$worker" && status=0 || status=$?
     kill -0 "$worker" 2>/dev/null || break
 done
-rm -f -- "$unfinished"
+rm -f -- "$unfinished" "$hashes"
 exit $status

@@ -2,7 +2,8 @@
 //! frames that are none of the sequence.
 
 use super::file_names::{BESIDE_FRAMES, CACHE_FILE, SEQUENCE_FILE, frame_in, is_own};
-use super::folder::{FolderError, FrameFolder};
+use super::folder::FrameFolder;
+use super::folder_error::FolderError;
 use super::format::FrameFormat;
 use super::record::FrameRecord;
 use crate::storage::{FileError, Folder};

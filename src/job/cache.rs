@@ -37,8 +37,6 @@ pub struct OpenedCache {
     /// Whether other jobs may write the file.
     is_shared: bool,
     found: Option<BakeState>,
-    /// The hashes of the paths that were found in it.
-    camera_paths: Vec<String>,
     /// Names the path in the cache.
     path_hash: String,
     /// The build of the program that began the cache: another one than this only if it is accepted.
@@ -61,9 +59,6 @@ impl OpenedCache {
         let opened = |file: Option<CacheFile>, found: Option<BakeState>, build: &str| OpenedCache {
             file,
             is_shared,
-            camera_paths: found
-                .as_ref()
-                .map_or(Vec::new(), |found| found.camera_paths().to_vec()),
             found,
             path_hash: path_hash.clone(),
             build: build.to_owned(),
@@ -102,13 +97,8 @@ impl OpenedCache {
     /// What the cache will be made from beside scene and settings: the paths that it will be baked for, by their hashes
     /// and in order, and the build that began it, if it is another one.
     pub fn identity(&self) -> CacheIdentity {
-        let found = self.found.as_ref();
-        let mut paths = found.map_or(Vec::new(), |found| found.camera_paths().to_vec());
-        if !paths.contains(&self.path_hash) {
-            paths.push(self.path_hash.clone());
-        }
         CacheIdentity {
-            paths,
+            paths: with_path(paths_of(self.found.as_ref()), &self.path_hash),
             other_build: (self.build != BUILD).then(|| self.build.clone()),
         }
     }
@@ -181,10 +171,10 @@ impl OpenedCache {
     /// What another process has baked meanwhile for the same frames, now that nobody else writes the file.
     fn baked_meanwhile(&self, file: &CacheFile) -> Result<Option<BakeState>, JobError> {
         let now = file.read(false).ok().flatten();
-        let paths = now.as_ref().map_or(&[][..], |now| now.camera_paths());
+        let paths = paths_of(now.as_ref());
         if paths == self.identity().paths {
             Ok(now)
-        } else if paths == self.camera_paths || !self.is_shared {
+        } else if paths == paths_of(self.found.as_ref()) || !self.is_shared {
             Ok(None)
         } else {
             Err(JobError::CacheChanged {
@@ -192,6 +182,18 @@ impl OpenedCache {
             })
         }
     }
+}
+
+/// The hashes of the paths that a cache is baked for, in order.
+fn paths_of(state: Option<&BakeState>) -> &[String] {
+    state.map_or(&[], BakeState::camera_paths)
+}
+
+/// The paths of a cache when it is baked for this one, too.
+pub(super) fn with_path(paths: &[String], path: &str) -> Vec<String> {
+    let is_there = paths.iter().any(|there| there == path);
+    let added = (!is_there).then(|| path.to_owned());
+    paths.iter().cloned().chain(added).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! A job resolved: inputs loaded, settings complete, and what its frames are made from known.
 
-use super::cache::{CacheLocation, KeepCache, OpenedCache};
+use super::cache::{CacheLocation, KeepCache, OpenedCache, with_path};
 use super::error::JobError;
 use super::identity::{BUILD, CacheIdentity, SequenceInputs, cache_hash};
 use super::inputs::Inputs;
@@ -142,12 +142,8 @@ impl Job {
         if let (Some(file), Some(identity)) = (&self.spec.irradiance_cache, &self.cache_identity) {
             let build = identity.other_build.as_deref().unwrap_or(BUILD);
             let cache = CacheFile::new(file, cache_hash(&self.inputs, &self.settings, build));
-            let mut paths = cache.camera_paths();
             let own = self.inputs.path_hash.to_string();
-            if !paths.contains(&own) {
-                paths.push(own);
-            }
-            if paths != identity.paths {
+            if with_path(&cache.camera_paths(), &own) != identity.paths {
                 changed.push(file.clone());
             }
         }

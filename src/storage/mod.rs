@@ -20,5 +20,5 @@ pub(crate) use folder::FileIdentity;
 pub use folder::Folder;
 pub use input_file::read_input;
 pub use lock::{FileLock, WaitListener};
-pub use part_file::{PartFile, check_writable, write_atomic};
+pub use part_file::{PartFile, write_atomic};
 pub use unfinished::remove_unfinished;

@@ -95,11 +95,6 @@ pub fn write_atomic(file: &Path, bytes: &[u8]) -> Result<(), FileError> {
     PartFile::of_file(file)?.finish(bytes)
 }
 
-/// Checks that a file can be written, by creating a part file and removing it: call it before long work.
-pub fn check_writable(file: &Path) -> Result<(), FileError> {
-    PartFile::of_file(file).map(drop)
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::fixtures::names;

@@ -8,6 +8,9 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
+/// The exit status of an interrupted run. The same command resumes it.
+pub(super) const INTERRUPTED: Option<i32> = Some(75);
+
 /// A folder with a path through `test3`, for the folders of its frames.
 pub(super) struct Batch {
     pub(super) folder: tempfile::TempDir,

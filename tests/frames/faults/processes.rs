@@ -10,9 +10,6 @@ use std::process::Child;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// The exit status of an interrupted run. The same command resumes it.
-const INTERRUPTED: Option<i32> = Some(75);
-
 /// Half of the kills are while it starts, half while it renders.
 #[test]
 fn killed_at_any_moment() {

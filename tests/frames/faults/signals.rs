@@ -8,9 +8,6 @@ use std::path::Path;
 use std::thread::sleep;
 use std::time::Duration;
 
-/// The exit status of an interrupted run. The same command resumes it.
-const INTERRUPTED: Option<i32> = Some(75);
-
 const SIGNALS: [Signal; 4] = [Signal::TERM, Signal::INT, Signal::HUP, Signal::USR1];
 
 /// All files below a folder.

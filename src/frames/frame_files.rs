@@ -92,7 +92,11 @@ impl FrameFolder {
 
     /// About the most bytes of memory that verifying a frame takes: its file, its pixels, and both made anew.
     pub fn memory_to_verify(&self) -> u64 {
-        4 * self.max_file_bytes(self.sequence().format)
+        let largest = match self.sequence().error_maps {
+            true => FrameFormat::Exr,
+            false => self.sequence().format,
+        };
+        4 * self.max_file_bytes(largest)
     }
 
     /// The most bytes that a file of this format may take.

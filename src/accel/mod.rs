@@ -55,11 +55,14 @@ mod query_batch;
 mod query_single;
 mod query_state;
 mod ray_packet;
+mod ray_setup;
 mod rounding;
+mod single_ray;
 mod stack;
 mod traverse_packet;
 mod traverse_single;
 mod triangle_block;
+mod triangle_planes;
 mod validate;
 mod watertight;
 

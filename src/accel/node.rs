@@ -2,10 +2,11 @@
 //! Traversal", JCGT 2(2)).
 
 use super::constants::WIDTH;
-use super::rounding::{BOX_PADDING, origin_magnitude, padded};
-use crate::math::{Aabb, Ray};
+use super::ray_setup::RaySetup;
+use super::rounding::padded;
+use crate::math::Aabb;
 use crate::simd::Floats;
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
 /// The index of the root node.
 pub(super) const ROOT: u32 = 0;
@@ -49,27 +50,28 @@ impl Child {
 
 /// The boxes of up to eight children, plane by plane, and what they are.
 ///
-/// Planes are ordered min x, y, z, max x, y, z, of boxes that are grown in proportion to their
-/// coordinates. Lanes without a child hold the empty box, which no ray enters.
+/// Boxes are grown in proportion to their coordinates. Lanes without a child hold the empty box, which no ray
+/// enters.
 #[derive(Debug)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    pub(super) planes: [[f32; WIDTH]; 6],
+    /// `planes[axis][side][lane]`, the lower side first.
+    pub(super) planes: [[[f32; WIDTH]; 2]; 3],
     pub(super) children: [u32; WIDTH],
 }
 
 impl Node {
     pub(super) fn new(children: &[(Aabb, Child)]) -> Node {
         let mut node = Node {
-            planes: [[0.0; WIDTH]; 6],
+            planes: [[[0.0; WIDTH]; 2]; 3],
             children: [0; WIDTH],
         };
         for lane in 0..WIDTH {
             let child = children.get(lane);
             let bounds = child.map_or(Aabb::EMPTY, |c| padded(c.0));
             for axis in 0..3 {
-                node.planes[axis][lane] = bounds.min[axis];
-                node.planes[axis + 3][lane] = bounds.max[axis];
+                node.planes[axis][0][lane] = bounds.min[axis];
+                node.planes[axis][1][lane] = bounds.max[axis];
             }
             if let Some((_, child)) = child {
                 node.children[lane] = child.pack();
@@ -80,16 +82,10 @@ impl Node {
 
     /// The box of a child; empty where there is none.
     pub(super) fn bounds(&self, lane: usize) -> Aabb {
-        let corner = |first: usize| {
-            Vec3::new(
-                self.planes[first][lane],
-                self.planes[first + 1][lane],
-                self.planes[first + 2][lane],
-            )
-        };
+        let corner = |side: usize| Vec3::from_array(self.planes.map(|sides| sides[side][lane]));
         Aabb {
             min: corner(0),
-            max: corner(3),
+            max: corner(1),
         }
     }
 
@@ -112,69 +108,48 @@ impl Node {
 
     /// The planes of all children.
     #[inline(always)]
-    pub(super) fn planes<V: Floats<WIDTH>>(&self) -> [V; 6] {
-        let [a, b, c, d, e, f] = &self.planes;
+    pub(super) fn planes<V: Floats<WIDTH>>(&self) -> [[V; 2]; 3] {
+        let [[a, b], [c, d], [e, f]] = &self.planes;
         let load = V::load;
-        [load(a), load(b), load(c), load(d), load(e), load(f)]
+        [[load(a), load(b)], [load(c), load(d)], [load(e), load(f)]]
     }
 
     /// A lower bound of where the ray enters each box, and an upper bound of where it leaves; the first is
     /// greater for a box that the ray does not enter within `0..=t_max`.
     #[inline(always)]
-    pub(super) fn intersect_boxes<V: Floats<WIDTH>>(&self, ray: &BoxRay, t_max: f32) -> (V, V) {
+    pub(super) fn intersect_boxes<V: Floats<WIDTH>>(&self, ray: &BoxRay<V>, t_max: f32) -> (V, V) {
         let mut near = V::splat(0.0);
         let mut far = V::splat(t_max);
         for axis in 0..3 {
-            let inverse = V::splat(ray.inverse[axis]);
-            let entry = V::load(&self.planes[ray.near[axis]]);
-            let exit = V::load(&self.planes[ray.far[axis]]);
-            near = entry
-                .mul_sub(inverse, V::splat(ray.near_offset[axis]))
-                .max(near);
-            far = exit
-                .mul_sub(inverse, V::splat(ray.far_offset[axis]))
-                .min(far);
+            let (inverse, sides) = (ray.inverse[axis], &self.planes[axis]);
+            let entry = V::load(&sides[usize::from(ray.down[axis])]);
+            let exit = V::load(&sides[usize::from(!ray.down[axis])]);
+            near = entry.mul_sub(inverse, ray.near_offset[axis]).max(near);
+            far = exit.mul_sub(inverse, ray.far_offset[axis]).min(far);
         }
         (near, far)
     }
 }
 
-/// Components of a direction that are smaller than this, relative to the largest, count as this much: their
-/// reciprocals would overflow. That moves a ray by less than boxes are padded.
-pub(super) const MIN_DIRECTION: f32 = 1e-18;
-
-/// What the box test needs of a ray: t = plane * inverse - offset.
-pub(super) struct BoxRay {
-    inverse: Vec3,
-    /// The origin's part of t where the ray enters a padded box, and where it leaves.
-    near_offset: Vec3,
-    far_offset: Vec3,
-    /// The index of the plane through which the ray enters a box, for each axis, and of that through which it
-    /// leaves.
-    near: [usize; 3],
-    far: [usize; 3],
+/// What the box test needs of a ray: t = plane * inverse - offset, axis by axis.
+pub(super) struct BoxRay<V> {
+    inverse: [V; 3],
+    near_offset: [V; 3],
+    far_offset: [V; 3],
+    /// Whether the ray descends: it enters boxes through their upper planes.
+    down: [bool; 3],
 }
 
-impl BoxRay {
-    pub(super) fn new(ray: &Ray) -> BoxRay {
-        // Four lanes, the last unused: one division in place of three.
-        let (d, origin) = (ray.direction.extend(0.0), ray.origin.extend(0.0));
-        let size = d.abs();
-        let smallest = Vec4::splat(MIN_DIRECTION * size.max_element());
-        let d = Vec4::select(size.cmplt(smallest), smallest.copysign(d), d);
-        let inverse = Vec4::ONE / d;
-        let padding = BOX_PADDING * origin_magnitude(ray);
-        let (center, around) = (origin * inverse, padding * inverse.abs());
-        // The lower planes come first, the upper ones three after.
-        let down = inverse.is_negative_bitmask();
-        let near = |axis: u32| (axis + 3 * (down >> axis & 1)) as usize;
-        let far = |axis: u32| (axis + 3 - 3 * (down >> axis & 1)) as usize;
+impl<V: Floats<WIDTH>> BoxRay<V> {
+    #[inline(always)]
+    pub(super) fn splat<const RAYS: usize>(setup: &RaySetup<RAYS>, lane: usize) -> BoxRay<V> {
+        let lane = lane % RAYS;
+        let splat = |[x, y, z]: &[[f32; RAYS]; 3]| [V::splat(x[lane]), V::splat(y[lane]), V::splat(z[lane])];
         BoxRay {
-            inverse: inverse.truncate(),
-            near_offset: (center + around).truncate(),
-            far_offset: (center - around).truncate(),
-            near: [near(0), near(1), near(2)],
-            far: [far(0), far(1), far(2)],
+            inverse: splat(&setup.inverse),
+            near_offset: splat(&setup.near_offset),
+            far_offset: splat(&setup.far_offset),
+            down: setup.down.map(|mask| mask >> lane & 1 != 0),
         }
     }
 }

@@ -4,15 +4,12 @@ use super::constants::WIDTH;
 use super::hit_filter::{DISTANCE_PADDING, accept_hit};
 use super::packet_intersector::PacketIntersector;
 use super::ray_packet::RayPacket;
-use super::rounding::triangle_padding;
+use super::single_ray::SingleRay;
 use super::triangle_block::TriangleBlock;
-use super::watertight::ShearedRays;
-use crate::geometry::{Hit, Sphere, TrianglePlane};
+use super::triangle_planes::{TrianglePlanes, clamp_to_box};
+use crate::geometry::{Hit, Sphere};
 use crate::math::Ray;
-use crate::simd::{Floats, PACKET_WIDTH, SetBits, Simd};
-
-/// At least this many rays: their parameters at a triangle's plane are computed for the whole packet at once.
-const MIN_RAYS_FOR_PACKET_PLANES: u32 = 5;
+use crate::simd::{Floats, PACKET_WIDTH, Scalar, SetBits, Simd};
 
 /// The hits of a packet, and the distance up to which each ray still looks: negative if it is done.
 pub(super) struct PacketHits {
@@ -58,7 +55,7 @@ impl PacketHits {
         &mut self,
         sphere: &Sphere,
         primitive: u32,
-        rays: &PacketIntersector<'_, S::F32x16>,
+        rays: &PacketIntersector<'_, S>,
         active: u32,
     ) {
         let active = active & rays.lines_through(sphere);
@@ -77,11 +74,10 @@ impl PacketHits {
         &mut self,
         block: &TriangleBlock,
         mut triangles: u32,
-        rays: &PacketIntersector<'_, S::F32x16>,
+        rays: &PacketIntersector<'_, S>,
         active: u32,
     ) -> bool {
         let mut changed = false;
-        let origin_magnitude = rays.origin_magnitude.store();
         while triangles != 0 {
             let triangle = triangles.trailing_zeros() as usize % WIDTH;
             triangles &= triangles - 1;
@@ -93,26 +89,16 @@ impl PacketHits {
                 continue;
             }
             changed = true;
-            let plane = TrianglePlane::through(block.triangle(triangle));
-            let of_packet = if passed.count_ones() >= MIN_RAYS_FOR_PACKET_PLANES {
-                Some(rays.intersect_planes(&plane))
-            } else {
-                None
-            };
+            let vertices = block.splat_triangle::<Scalar, 1>(triangle, [0, 1, 2]);
+            let plane = TrianglePlanes::through(vertices);
+            let (mut distances, inside) = rays.intersect_plane(&plane, passed);
+            for lane in SetBits(passed & !inside) {
+                let (ray, vertices) = (rays.packet.ray(lane), block.triangle(triangle));
+                distances[lane] = clamp_to_box(&ray, vertices, distances[lane]);
+            }
             for lane in SetBits(passed) {
-                let (mut t, outside) = match &of_packet {
-                    Some((distances, outside)) => (distances[lane], outside[lane]),
-                    None => rays.intersect_plane(&plane, lane),
-                };
-                let magnitude = f64::from(origin_magnitude[lane]);
-                // False for NaN.
-                let is_inside = outside <= triangle_padding(magnitude);
-                if !is_inside {
-                    let (origin, direction) = rays.line(lane);
-                    let padding = triangle_padding(magnitude + plane.magnitude());
-                    t = plane.clamp_to_box(origin, direction, padding, t);
-                }
-                self.accept_hit::<ANY_HIT>(&rays.packet.ray(lane), lane, t, primitive);
+                let ray = rays.packet.ray(lane);
+                self.accept_hit::<ANY_HIT>(&ray, lane, distances[lane], primitive);
             }
         }
         changed
@@ -123,19 +109,18 @@ impl PacketHits {
     pub(super) fn intersect_block_by_ray<S: Simd, const ANY_HIT: bool>(
         &mut self,
         block: &TriangleBlock,
-        rays: &PacketIntersector<'_, S::F32x16>,
+        rays: &PacketIntersector<'_, S>,
         active: u32,
     ) -> bool {
         let mut changed = false;
-        let (axes, magnitude) = (rays.axes, rays.scene_magnitude);
         for lane in SetBits(active) {
             let ray = &rays.packet.ray(lane);
             if self.limits[lane] < 0.0 {
                 continue;
             }
-            let sheared = ShearedRays::<S::F32x8>::splat(ray, axes, magnitude);
+            let ray = SingleRay::<S>::new(ray, rays.setup, lane);
             let before = self.best[lane];
-            if block.intersect::<_, ANY_HIT>(ray, axes, &sheared, &mut self.best[lane]) {
+            if block.intersect::<S, ANY_HIT>(&ray, &mut self.best[lane]) {
                 self.limits[lane] = -1.0;
             } else if !ANY_HIT {
                 self.limits[lane] = self.best[lane].t as f32 * DISTANCE_PADDING;

@@ -1,88 +1,61 @@
 //! A packet loaded into vectors for tests against triangles and spheres.
 
+use super::constants::WIDTH;
 use super::ray_packet::RayPacket;
-use super::rounding::BOX_PADDING;
-use super::watertight::{MIN_SLOPE, ShearedRays, permuted_axes};
-use crate::geometry::{Sphere, TrianglePlane};
-use crate::simd::{ALL_LANES, Floats, PACKET_WIDTH};
-use glam::DVec3;
+use super::ray_setup::RaySetup;
+use super::rounding::triangle_padding;
+use super::triangle_planes::TrianglePlanes;
+use super::watertight::ShearedRays;
+use crate::geometry::Sphere;
+use crate::simd::{Doubles, Floats, PACKET_WIDTH, ScalarDouble, Simd};
 
-/// What triangle and sphere tests need of a packet whose rays share their major axis.
-pub(super) struct PacketIntersector<'a, V> {
+/// What triangle and sphere tests need of a packet whose rays share the permutation of their axes.
+pub(super) struct PacketIntersector<'a, S: Simd> {
     pub(super) packet: &'a RayPacket,
-    pub(super) origin: [V; 3],
-    pub(super) direction: [V; 3],
-    /// The largest absolute coordinate of each ray's origin.
-    pub(super) origin_magnitude: V,
-    /// Bounds the absolute coordinates of the scene.
-    pub(super) scene_magnitude: f32,
-    /// The permutation of the axes, the major one last.
+    pub(super) setup: &'a RaySetup<PACKET_WIDTH>,
     pub(super) axes: [usize; 3],
-    pub(super) sheared: ShearedRays<V>,
+    pub(super) sheared: ShearedRays<S::F32x16>,
 }
 
-impl<V: Floats<PACKET_WIDTH>> PacketIntersector<'_, V> {
-    /// None if the rays do not share their major axis.
+impl<S: Simd> PacketIntersector<'_, S> {
     #[inline(always)]
-    pub(super) fn new(
-        packet: &RayPacket,
-        scene_magnitude: f32,
-    ) -> Option<PacketIntersector<'_, V>> {
-        let ([ox, oy, oz], [dx, dy, dz]) = (&packet.origin, &packet.direction);
-        let origin = [V::load(ox), V::load(oy), V::load(oz)];
-        let direction = [V::load(dx), V::load(dy), V::load(dz)];
-        let (x, y, z) = (direction[0].abs(), direction[1].abs(), direction[2].abs());
-        let mainly_x = y.le(x) & z.le(x);
-        let mainly_y = !mainly_x & z.le(y) & ALL_LANES;
-        if (mainly_x != 0 && mainly_x != ALL_LANES) || (mainly_y != 0 && mainly_y != ALL_LANES) {
-            return None;
-        }
-
-        let axes @ [kx, ky, kz] = permuted_axes(packet.ray(0).direction);
-        let origin_magnitude = origin[0].abs().max(origin[1].abs()).max(origin[2].abs());
-        let padding = origin_magnitude
-            .add(V::splat(scene_magnitude))
-            .mul(V::splat(BOX_PADDING));
-        let inv_dz = V::splat(1.0).div(direction[kz]);
-        let sheared = ShearedRays {
-            origin: [origin[kx], origin[ky], origin[kz]],
-            slopes: [
-                direction[kx].div(direction[kz]).zero_below(MIN_SLOPE),
-                direction[ky].div(direction[kz]).zero_below(MIN_SLOPE),
-            ],
-            inv_dz,
-            depth_error: padding.mul(inv_dz.abs()),
-        };
-        Some(PacketIntersector {
+    pub(super) fn new<'a>(
+        packet: &'a RayPacket,
+        setup: &'a RaySetup<PACKET_WIDTH>,
+    ) -> PacketIntersector<'a, S> {
+        PacketIntersector {
             packet,
-            origin,
-            direction,
-            origin_magnitude,
-            scene_magnitude,
-            axes,
-            sheared,
-        })
-    }
-
-    /// Where each ray meets the triangle's plane, and how far that is outside the triangle's box.
-    #[inline(always)]
-    pub(super) fn intersect_planes(
-        &self,
-        triangle: &TrianglePlane,
-    ) -> ([f64; PACKET_WIDTH], [f64; PACKET_WIDTH]) {
-        let (mut distances, mut outside) = ([0.0; PACKET_WIDTH], [0.0; PACKET_WIDTH]);
-        for i in 0..PACKET_WIDTH {
-            (distances[i], outside[i]) = self.intersect_plane(triangle, i);
+            setup,
+            axes: setup.axes(0),
+            sheared: ShearedRays::load(setup),
         }
-        (distances, outside)
     }
 
-    /// As [`PacketIntersector::intersect_planes`], for one ray.
+    /// Where the rays of a mask meet the triangle's plane; and which of them are there inside the triangle's box.
+    /// Those of other rays mean nothing.
     #[inline(always)]
-    pub(super) fn intersect_plane(&self, triangle: &TrianglePlane, lane: usize) -> (f64, f64) {
-        let (origin, direction) = self.line(lane);
-        let t = triangle.ray_parameter(origin, direction);
-        (t, triangle.distance_outside_box(origin + t * direction))
+    pub(super) fn intersect_plane(
+        &self,
+        triangle: &TrianglePlanes<ScalarDouble>,
+        rays: u32,
+    ) -> ([f64; PACKET_WIDTH], u32) {
+        let triangles = triangle.splat::<S::F64x8, WIDTH>();
+        let (mut distances, mut inside) = ([0.0; PACKET_WIDTH], 0);
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.packet.origin, &self.packet.direction);
+        for first in [0, WIDTH] {
+            if rays >> first & 0xff == 0 {
+                continue;
+            }
+            let half = |lanes: &[f32; PACKET_WIDTH]| {
+                S::F64x8::widen(S::F32x8::load(&lanes.as_chunks::<WIDTH>().0[first / WIDTH]))
+            };
+            let (origin, direction) = ([half(ox), half(oy), half(oz)], [half(dx), half(dy), half(dz)]);
+            let (t, outside) = triangles.intersect(origin, direction);
+            let padding = half(&self.setup.origin_magnitude).mul(S::F64x8::splat(triangle_padding(1.0)));
+            distances[first..first + WIDTH].copy_from_slice(&t.store());
+            inside |= outside.le(padding) << first;
+        }
+        (distances, inside)
     }
 
     /// The mask of rays whose lines pass through the sphere.
@@ -100,12 +73,5 @@ impl<V: Floats<PACKET_WIDTH>> PacketIntersector<'_, V> {
             lanes |= (1 - misses) << i;
         }
         lanes
-    }
-
-    /// The origin and the direction of a ray, in double precision.
-    #[inline(always)]
-    pub(super) fn line(&self, lane: usize) -> (DVec3, DVec3) {
-        let ray = self.packet.ray(lane);
-        (ray.origin.as_dvec3(), ray.direction.as_dvec3())
     }
 }

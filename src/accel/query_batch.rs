@@ -5,7 +5,7 @@ use super::bvh::Bvh;
 use super::query_state::QueryState;
 use super::ray_packet::RayPacket;
 use super::traverse_packet::TraversePacket;
-use super::watertight::permuted_axes;
+use super::ray_setup::major_axis;
 use crate::geometry::Hit;
 use crate::math::Ray;
 use crate::simd::{ALL_LANES, PACKET_WIDTH};
@@ -138,7 +138,7 @@ impl Bvh {
         };
         for (index, ray) in rays {
             let ray = ray.borrow();
-            let axis = permuted_axes(ray.direction)[2];
+            let axis = major_axis(ray.direction);
             let (packet, indices) = (&mut packets[axis], &mut indices[axis]);
             indices[packet.active.count_ones() as usize % PACKET_WIDTH] = index;
             packet.push(ray);

@@ -1,7 +1,8 @@
 //! Packets of up to sixteen rays, as a structure of arrays.
 
+use super::ray_setup::RaySetup;
 use crate::math::{NO_PRIMITIVE, Ray};
-use crate::simd::{ALL_LANES, PACKET_WIDTH, SetBits};
+use crate::simd::{ALL_LANES, Floats, PACKET_WIDTH, SetBits, Simd};
 use glam::Vec3;
 
 /// Up to sixteen rays, coordinate by coordinate.
@@ -81,6 +82,16 @@ impl RayPacket {
     /// The active rays with their lanes.
     pub(super) fn active_rays(&self) -> impl Iterator<Item = (usize, Ray)> {
         self.active_lanes().map(|lane| (lane, self.ray(lane)))
+    }
+
+    /// What box and triangle tests need of the rays; `scene_magnitude` bounds the absolute coordinates of the
+    /// scene.
+    #[inline(always)]
+    pub(super) fn setup<S: Simd>(&self, scene_magnitude: f32) -> RaySetup<PACKET_WIDTH> {
+        let load = |[x, y, z]: &[[f32; PACKET_WIDTH]; 3]| {
+            [S::F32x16::load(x), S::F32x16::load(y), S::F32x16::load(z)]
+        };
+        RaySetup::new(load(&self.origin), load(&self.direction), scene_magnitude)
     }
 
     /// The ray of a lane.

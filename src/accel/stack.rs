@@ -43,15 +43,21 @@ impl Stack {
         self.len = 0;
     }
 
-    /// Pushes the children of a mask, without their distances.
+    /// Pushes the children of a mask, without their distances, but for the first, which it returns.
     #[inline(always)]
-    pub(super) fn push(&mut self, children: &[u32; WIDTH], mut mask: u32) {
+    pub(super) fn push(&mut self, children: &[u32; WIDTH], mut mask: u32) -> Option<u32> {
+        if mask == 0 {
+            return None;
+        }
+        let first = children[mask.trailing_zeros() as usize % WIDTH];
+        mask &= mask - 1;
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;
             self.entries[self.len % STACK_SIZE] = u64::from(children[lane]);
             self.len += 1;
         }
+        Some(first)
     }
 
     /// Pushes the children of a mask, nearest last, but for the nearest, which it returns.

@@ -77,7 +77,7 @@ fn validation_finds_faults() {
     assert_eq!(sound().validate(), Ok(()));
 
     let mut small = sound();
-    small.nodes[0].planes[0] = small.nodes[0].planes[0].map(|x| x + 0.01);
+    small.nodes[0].planes[0][0] = small.nodes[0].planes[0][0].map(|x| x + 0.01);
     let fault = small.validate();
     assert!(
         matches!(fault, Err(BvhError::Outside { node: 0, .. })),
@@ -85,10 +85,8 @@ fn validation_finds_faults() {
     );
 
     let mut lost = sound();
-    lost.nodes[0].planes[0][1] = f32::INFINITY;
-    for axis in 0..3 {
-        lost.nodes[0].planes[axis][1] = f32::INFINITY;
-        lost.nodes[0].planes[axis + 3][1] = f32::NEG_INFINITY;
+    for [lower, upper] in &mut lost.nodes[0].planes {
+        (lower[1], upper[1]) = (f32::INFINITY, f32::NEG_INFINITY);
     }
     let fault = lost.validate();
     assert!(

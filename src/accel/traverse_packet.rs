@@ -34,7 +34,11 @@ impl<const ANY_HIT: bool> WithSimd for TraversePacket<'_, ANY_HIT> {
     #[inline(always)]
     fn with_simd<S: Simd>(self) -> Option<[Hit; PACKET_WIDTH]> {
         let TraversePacket { bvh, packet, stack } = self;
-        let rays = PacketIntersector::<S::F32x16>::new(packet, bvh.magnitude)?;
+        let setup = packet.setup::<S>(bvh.magnitude);
+        if !setup.is_one_major_axis() {
+            return None;
+        }
+        let rays = PacketIntersector::<S>::new(packet, &setup);
         let mut hits = PacketHits::new::<ANY_HIT>(packet);
         if bvh.nodes.is_empty() {
             for (sphere, primitive) in bvh.spheres.iter().zip(bvh.first_sphere..) {
@@ -46,7 +50,10 @@ impl<const ANY_HIT: bool> WithSimd for TraversePacket<'_, ANY_HIT> {
             }
             return Some(hits.best);
         }
-        let interval = PacketInterval::new(&rays)?;
+        if !setup.is_one_octant() {
+            return None;
+        }
+        let interval = PacketInterval::<S::F32x16>::new(packet, &setup);
         let mut max_limit = hits.max_limit::<S>();
         stack.clear();
         let (mut next, mut active) = (ROOT, packet.active);

@@ -2,11 +2,11 @@
 
 use super::constants::WIDTH;
 use super::hit_filter::{DISTANCE_PADDING, accept_hit};
-use super::rounding::{BOX_PADDING, origin_magnitude, triangle_padding};
-use super::watertight::ShearedRays;
-use crate::geometry::{Hit, TrianglePlane};
-use crate::math::Ray;
-use crate::simd::Floats;
+use super::rounding::{BOX_PADDING, triangle_padding};
+use super::single_ray::SingleRay;
+use super::triangle_planes::{TrianglePlanes, clamp_to_box};
+use crate::geometry::Hit;
+use crate::simd::{Doubles, Floats, SetBits, Simd};
 use glam::Vec3;
 
 /// Up to eight triangles, coordinate by coordinate; unused lanes repeat the last.
@@ -48,40 +48,38 @@ impl TriangleBlock {
     /// Passes the triangles that the ray meets to the query, with `best` so far; returns whether the query
     /// is finished.
     #[inline(always)]
-    pub(super) fn intersect<V: Floats<WIDTH>, const ANY_HIT: bool>(
+    pub(super) fn intersect<S: Simd, const ANY_HIT: bool>(
         &self,
-        ray: &Ray,
-        axes: [usize; 3],
-        sheared: &ShearedRays<V>,
+        ray: &SingleRay<S>,
         best: &mut Hit,
     ) -> bool {
-        let limit = if ANY_HIT { ray.t_max } else { best.t as f32 };
-        let limit = V::splat(limit * DISTANCE_PADDING);
-        let mut passed = sheared.intersect(&self.load_vertices(axes), limit);
-        while passed != 0 {
-            let lane = passed.trailing_zeros() as usize;
-            passed &= passed - 1;
-            let t = self.distance(lane, ray);
-            if accept_hit::<ANY_HIT>(ray, t, self.ids[lane], best) {
+        let limit = if ANY_HIT { ray.ray.t_max } else { best.t as f32 };
+        let limit = S::F32x8::splat(limit * DISTANCE_PADDING);
+        let vertices = self.load_vertices::<S::F32x8>(ray.axes);
+        let passed = ray.sheared.intersect(&vertices, limit);
+        if passed == 0 {
+            return false;
+        }
+        let planes = TrianglePlanes::<S::F64x8>::through(self.load_vertices([0, 1, 2]));
+        let [origin, direction] = [ray.ray.origin, ray.ray.direction].map(|v| {
+            let splat = |x: f32| S::F64x8::splat(x.into());
+            [splat(v.x), splat(v.y), splat(v.z)]
+        });
+        let (distances, outside) = planes.intersect(origin, direction);
+        let padding = triangle_padding(ray.origin_magnitude.into());
+        // Not where that is NaN. Mostly all, and then the triangles' own magnitudes are not needed.
+        let inside = passed & outside.le(S::F64x8::splat(padding));
+        let mut distances = distances.store();
+        for lane in SetBits(passed & !inside) {
+            distances[lane % WIDTH] = clamp_to_box(ray.ray, self.triangle(lane % WIDTH), distances[lane % WIDTH]);
+        }
+        for lane in SetBits(passed) {
+            let lane = lane % WIDTH;
+            if accept_hit::<ANY_HIT>(ray.ray, distances[lane], self.ids[lane], best) {
                 return true;
             }
         }
         false
-    }
-
-    #[inline(always)]
-    fn distance(&self, lane: usize, ray: &Ray) -> f64 {
-        let plane = TrianglePlane::through(self.triangle(lane));
-        let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-        let t = plane.ray_parameter(origin, direction);
-        let magnitude = f64::from(origin_magnitude(ray));
-        // False for NaN. Mostly true, and then the triangle's own magnitude is not needed.
-        if plane.distance_outside_box(origin + t * direction) <= triangle_padding(magnitude) {
-            t
-        } else {
-            let padding = triangle_padding(magnitude + plane.magnitude());
-            plane.clamp_to_box(origin, direction, padding, t)
-        }
     }
 
     /// All triangles, one for each lane.
@@ -98,7 +96,7 @@ impl TriangleBlock {
 
     /// The planes of all triangles' boxes, as those of a node: padded relative to their coordinates.
     #[inline(always)]
-    pub(super) fn planes<V: Floats<WIDTH>>(&self) -> [V; 6] {
+    pub(super) fn planes<V: Floats<WIDTH>>(&self) -> [[V; 2]; 3] {
         let [a, b, c] = self.load_vertices::<V>([0, 1, 2]);
         let (mut min, mut max) = (a, a);
         let mut magnitude = V::splat(0.0);
@@ -110,12 +108,9 @@ impl TriangleBlock {
         }
         let padding = magnitude.mul(V::splat(BOX_PADDING));
         [
-            min[0].sub(padding),
-            min[1].sub(padding),
-            min[2].sub(padding),
-            max[0].add(padding),
-            max[1].add(padding),
-            max[2].add(padding),
+            [min[0].sub(padding), max[0].add(padding)],
+            [min[1].sub(padding), max[1].add(padding)],
+            [min[2].sub(padding), max[2].add(padding)],
         ]
     }
 

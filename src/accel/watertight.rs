@@ -1,10 +1,8 @@
 //! Watertight ray-triangle tests (Woop, Benthin and Wald 2013, "Watertight Ray/Triangle Intersection", JCGT
 //! 2(1)).
 
-use super::rounding::{BOX_PADDING, origin_magnitude};
-use crate::math::Ray;
+use super::ray_setup::RaySetup;
 use crate::simd::Floats;
-use glam::{Vec3, Vec4};
 
 /// Rays in the space where each runs along +Z from the origin: axes permuted so that the largest component
 /// of its direction is z, then sheared.
@@ -23,49 +21,42 @@ pub(super) struct ShearedRays<V> {
     pub(super) depth_error: V,
 }
 
-/// The permutation of the axes, the one along which the direction is longest last.
-#[inline(always)]
-pub(super) fn permuted_axes(direction: Vec3) -> [usize; 3] {
-    let size = direction.abs();
-    if size.x >= size.y && size.x >= size.z {
-        [1, 2, 0]
-    } else if size.y >= size.z {
-        [2, 0, 1]
-    } else {
-        [0, 1, 2]
-    }
-}
-
 /// Smaller slopes count as 0: their products with lengths would underflow and turn a ray in a triangle's
 /// plane into noise.
 pub(super) const MIN_SLOPE: f32 = 1e-25;
 
 impl<V> ShearedRays<V> {
-    /// One ray in all lanes; `axes` are its [`permuted_axes`], and `scene_magnitude` bounds the absolute
-    /// coordinates of the scene.
+    /// All rays of a packet that share the permutation of their axes.
     #[inline(always)]
-    pub(super) fn splat<const N: usize>(
-        ray: &Ray,
-        axes: [usize; 3],
-        scene_magnitude: f32,
+    pub(super) fn load<const N: usize>(setup: &RaySetup<N>) -> ShearedRays<V>
+    where
+        V: Floats<N>,
+    {
+        let ([ox, oy, oz], [sx, sy]) = (&setup.origin, &setup.slopes);
+        ShearedRays {
+            origin: [V::load(ox), V::load(oy), V::load(oz)],
+            slopes: [V::load(sx), V::load(sy)],
+            inv_dz: V::load(&setup.inv_dz),
+            depth_error: V::load(&setup.depth_error),
+        }
+    }
+
+    /// One ray in all lanes.
+    #[inline(always)]
+    pub(super) fn splat<const N: usize, const RAYS: usize>(
+        setup: &RaySetup<RAYS>,
+        lane: usize,
     ) -> ShearedRays<V>
     where
         V: Floats<N>,
     {
-        let [kx, ky, kz] = axes;
-        let (o, d) = (ray.origin, ray.direction);
-        let padding = BOX_PADDING * (origin_magnitude(ray) + scene_magnitude);
-        // One division in place of three.
-        let along = Vec4::new(d[kx], d[ky], 1.0, 1.0) / Vec4::splat(d[kz]);
-        let inv_dz = along.z;
+        let ([ox, oy, oz], [sx, sy]) = (&setup.origin, &setup.slopes);
+        let lane = lane % RAYS;
         ShearedRays {
-            origin: [V::splat(o[kx]), V::splat(o[ky]), V::splat(o[kz])],
-            slopes: [
-                V::splat(along.x).zero_below(MIN_SLOPE),
-                V::splat(along.y).zero_below(MIN_SLOPE),
-            ],
-            inv_dz: V::splat(inv_dz),
-            depth_error: V::splat(padding * inv_dz.abs()),
+            origin: [V::splat(ox[lane]), V::splat(oy[lane]), V::splat(oz[lane])],
+            slopes: [V::splat(sx[lane]), V::splat(sy[lane])],
+            inv_dz: V::splat(setup.inv_dz[lane]),
+            depth_error: V::splat(setup.depth_error[lane]),
         }
     }
 

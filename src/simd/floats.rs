@@ -29,6 +29,10 @@ pub(crate) trait Floats<const N: usize>: Copy {
     fn reduce_max(self) -> f32;
     /// Zero in each lane whose absolute value is below `threshold`.
     fn zero_below(self, threshold: f32) -> Self;
+    /// The absolute value of each lane with the sign of `sign`.
+    fn copy_sign(self, sign: Self) -> Self;
+    /// `yes` in the lanes where `self <= bound`, `no` in the others and for NaN.
+    fn select_le(self, bound: Self, yes: Self, no: Self) -> Self;
     fn lt(self, other: Self) -> u32;
     fn le(self, other: Self) -> u32;
 

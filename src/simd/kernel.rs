@@ -5,8 +5,9 @@
     reason = "calls into code compiled for a detected processor"
 )]
 
+use super::doubles::Doubles;
 use super::floats::{Floats, PACKET_WIDTH};
-use super::portable::PortableFloats;
+use super::portable::{PortableDoubles, PortableFloats};
 use std::fmt;
 
 /// The instruction set that answers ray queries and irradiance lookups; results do not depend on it.
@@ -30,6 +31,8 @@ pub(crate) trait Simd {
     type F32x8: Floats<8>;
     /// A packet of rays against one box or triangle.
     type F32x16: Floats<PACKET_WIDTH>;
+    /// Exact distances of eight triangles, or of half a packet.
+    type F64x8: Doubles<8, Floats = Self::F32x8>;
 }
 
 /// A computation that is written once and compiled for every instruction set.
@@ -56,7 +59,10 @@ impl Kernel {
             && is_x86_feature_detected!("popcnt")
         {
             kernels.push(Kernel(InstructionSet::Avx2));
-            if is_x86_feature_detected!("avx512f") {
+            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl")
+            {
                 kernels.push(Kernel(InstructionSet::Avx512));
             }
         }
@@ -101,12 +107,14 @@ struct Portable;
 impl Simd for Portable {
     type F32x8 = PortableFloats<8>;
     type F32x16 = PortableFloats<PACKET_WIDTH>;
+    type F64x8 = PortableDoubles<8>;
 }
 
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     use super::super::pair::Avx2FloatsPair;
     use super::super::x86_64::Avx2Floats;
+    use super::super::x86_64_doubles::Avx2Doubles;
     use super::{Simd, WithSimd};
 
     struct Avx2;
@@ -114,6 +122,7 @@ mod avx2 {
     impl Simd for Avx2 {
         type F32x8 = Avx2Floats;
         type F32x16 = Avx2FloatsPair;
+        type F64x8 = Avx2Doubles;
     }
 
     #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
@@ -125,6 +134,7 @@ mod avx2 {
 #[cfg(target_arch = "x86_64")]
 mod avx512 {
     use super::super::x86_64::{Avx2Floats, Avx512Floats};
+    use super::super::x86_64_doubles::Avx512Doubles;
     use super::{Simd, WithSimd};
 
     struct Avx512;
@@ -132,9 +142,10 @@ mod avx512 {
     impl Simd for Avx512 {
         type F32x8 = Avx2Floats;
         type F32x16 = Avx512Floats;
+        type F64x8 = Avx512Doubles;
     }
 
-    #[target_feature(enable = "avx512f,avx2,fma,bmi1,lzcnt,popcnt")]
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma,bmi1,lzcnt,popcnt")]
     pub(super) fn run<T: WithSimd>(task: T) -> T::Output {
         task.with_simd::<Avx512>()
     }

@@ -74,6 +74,17 @@ impl Floats<16> for Avx2FloatsPair {
         Avx2FloatsPair(self.0.max(other.0), self.1.max(other.1))
     }
     #[inline(always)]
+    fn copy_sign(self, sign: Self) -> Self {
+        Avx2FloatsPair(self.0.copy_sign(sign.0), self.1.copy_sign(sign.1))
+    }
+    #[inline(always)]
+    fn select_le(self, bound: Self, yes: Self, no: Self) -> Self {
+        Avx2FloatsPair(
+            self.0.select_le(bound.0, yes.0, no.0),
+            self.1.select_le(bound.1, yes.1, no.1),
+        )
+    }
+    #[inline(always)]
     fn lt(self, other: Self) -> u32 {
         self.0.lt(other.0) | self.1.lt(other.1) << 8
     }

@@ -1,10 +1,14 @@
 //! Lanes in an array, without vector instructions.
 
+use super::doubles::Doubles;
 use super::floats::Floats;
 
 /// `N` lanes in an array.
 #[derive(Clone, Copy)]
-pub(super) struct PortableFloats<const N: usize>([f32; N]);
+pub(crate) struct PortableFloats<const N: usize>([f32; N]);
+
+/// One lane.
+pub(crate) type Scalar = PortableFloats<1>;
 
 impl<const N: usize> PortableFloats<N> {
     #[inline(always)]
@@ -74,6 +78,82 @@ impl<const N: usize> Floats<N> for PortableFloats<N> {
     #[inline(always)]
     fn zero_below(self, threshold: f32) -> Self {
         self.zip(self, |a, _| if a.abs() < threshold { 0.0 } else { a })
+    }
+    #[inline(always)]
+    fn copy_sign(self, sign: Self) -> Self {
+        self.zip(sign, f32::copysign)
+    }
+    #[inline(always)]
+    fn select_le(self, bound: Self, yes: Self, no: Self) -> Self {
+        let select = |i| match self.0[i] <= bound.0[i] {
+            true => yes.0[i],
+            false => no.0[i],
+        };
+        PortableFloats(std::array::from_fn(select))
+    }
+    #[inline(always)]
+    fn lt(self, other: Self) -> u32 {
+        self.compare(other, |a, b| a < b)
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> u32 {
+        self.compare(other, |a, b| a <= b)
+    }
+}
+
+/// `N` lanes of double precision in an array.
+#[derive(Clone, Copy)]
+pub(crate) struct PortableDoubles<const N: usize>([f64; N]);
+
+/// One lane of double precision.
+pub(crate) type ScalarDouble = PortableDoubles<1>;
+
+impl<const N: usize> PortableDoubles<N> {
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        PortableDoubles(std::array::from_fn(|i| f(self.0[i], other.0[i])))
+    }
+
+    #[inline(always)]
+    fn compare(self, other: Self, f: impl Fn(f64, f64) -> bool) -> u32 {
+        (0..N).fold(0, |bits, i| bits | u32::from(f(self.0[i], other.0[i])) << i)
+    }
+}
+
+impl<const N: usize> Doubles<N> for PortableDoubles<N> {
+    type Floats = PortableFloats<N>;
+
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        PortableDoubles([value; N])
+    }
+    #[inline(always)]
+    fn widen(floats: PortableFloats<N>) -> Self {
+        PortableDoubles(floats.0.map(f64::from))
+    }
+    #[inline(always)]
+    fn store(self) -> [f64; N] {
+        self.0
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
     }
     #[inline(always)]
     fn lt(self, other: Self) -> u32 {

@@ -12,10 +12,11 @@ use std::arch::x86_64::*;
 macro_rules! register {
     ($(#[$doc:meta])* $name:ident, $register:ty, $lanes:literal,
      $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $mul_sub:ident,
-     $min:ident, $max:ident, $reduce_min:ident, $reduce_max:ident, |$a:ident, $b:ident| $lt:expr, $le:expr, $zero_below:expr) => {
+     $min:ident, $max:ident, $reduce_min:ident, $reduce_max:ident, |$a:ident, $b:ident| $lt:expr, $le:expr, $zero_below:expr, $copy_sign:expr,
+     |$yes:ident, $no:ident| $select_le:expr) => {
         $(#[$doc])*
         #[derive(Clone, Copy)]
-        pub(super) struct $name($register);
+        pub(super) struct $name(pub(super) $register);
 
         impl Floats<$lanes> for $name {
             #[inline(always)]
@@ -55,6 +56,18 @@ macro_rules! register {
                 let ($a, $b) = (self.0, Self::splat(threshold).0);
                 // SAFETY: the instructions are present; see the macro.
                 $name(unsafe { $zero_below })
+            }
+            #[inline(always)]
+            fn copy_sign(self, sign: Self) -> Self {
+                let ($a, $b) = (self.0, sign.0);
+                // SAFETY: the instructions are present; see the macro.
+                $name(unsafe { $copy_sign })
+            }
+            #[inline(always)]
+            fn select_le(self, bound: Self, yes: Self, no: Self) -> Self {
+                let ($a, $b, $yes, $no) = (self.0, bound.0, yes.0, no.0);
+                // SAFETY: the instructions are present; see the macro.
+                $name(unsafe { $select_le })
             }
             #[inline(always)]
             fn sub(self, other: Self) -> Self {
@@ -139,15 +152,25 @@ register!(
     {
         let abs = _mm256_andnot_ps(_mm256_set1_ps(-0.0), a);
         _mm256_andnot_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(abs, b), a)
-    }
+    },
+    {
+        let sign = _mm256_set1_ps(-0.0);
+        _mm256_or_ps(_mm256_andnot_ps(sign, a), _mm256_and_ps(sign, b))
+    },
+    |yes, no| _mm256_blendv_ps(no, yes, _mm256_cmp_ps::<_CMP_LE_OQ>(a, b))
 );
 
 register!(
-    /// A 512-bit register, for AVX-512 F.
+    /// A 512-bit register, for AVX-512 F and DQ.
     Avx512Floats, __m512, 16,
     _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps,
     _mm512_div_ps, _mm512_sqrt_ps, _mm512_fmsub_ps, _mm512_min_ps, _mm512_max_ps, _mm512_reduce_min_ps, _mm512_reduce_max_ps,
     |a, b| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b).into(),
     _mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b).into(),
-    _mm512_maskz_mov_ps(!_mm512_cmp_ps_mask::<_CMP_LT_OQ>(_mm512_abs_ps(a), b), a)
+    _mm512_maskz_mov_ps(!_mm512_cmp_ps_mask::<_CMP_LT_OQ>(_mm512_abs_ps(a), b), a),
+    {
+        let sign = _mm512_set1_ps(-0.0);
+        _mm512_or_ps(_mm512_andnot_ps(sign, a), _mm512_and_ps(sign, b))
+    },
+    |yes, no| _mm512_mask_blend_ps(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b), no, yes)
 );

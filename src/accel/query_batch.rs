@@ -108,6 +108,7 @@ impl Bvh {
             bvh: self,
             packet,
             stack: &mut query_state.packet_stack,
+            single_stack: &mut query_state.stack,
         })?;
         query_state.rays += u64::from(packet.active.count_ones());
         Some(hits)

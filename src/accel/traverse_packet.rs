@@ -11,7 +11,9 @@ use super::packet_hits::PacketHits;
 use super::packet_intersector::PacketIntersector;
 use super::packet_interval::PacketInterval;
 use super::ray_packet::RayPacket;
-use super::stack::PacketStack;
+use super::single_ray::SingleRay;
+use super::stack::{PacketStack, Stack};
+use super::traverse_single::traverse;
 use crate::geometry::Hit;
 use crate::simd::{Floats, PACKET_WIDTH, Simd, WithSimd};
 
@@ -26,6 +28,7 @@ pub(super) struct TraversePacket<'a, const ANY_HIT: bool> {
     pub(super) bvh: &'a Bvh,
     pub(super) packet: &'a RayPacket,
     pub(super) stack: &'a mut PacketStack,
+    pub(super) single_stack: &'a mut Stack,
 }
 
 impl<const ANY_HIT: bool> WithSimd for TraversePacket<'_, ANY_HIT> {
@@ -33,8 +36,17 @@ impl<const ANY_HIT: bool> WithSimd for TraversePacket<'_, ANY_HIT> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self) -> Option<[Hit; PACKET_WIDTH]> {
-        let TraversePacket { bvh, packet, stack } = self;
+        let TraversePacket { bvh, packet, stack, single_stack } = self;
         let setup = packet.setup::<S>(bvh.magnitude);
+        if !bvh.nodes.is_empty() && !(setup.is_one_octant() && setup.is_one_major_axis()) {
+            let mut best = [Hit::MISS; PACKET_WIDTH];
+            for lane in packet.active_lanes() {
+                let ray = packet.ray(lane);
+                let ray = SingleRay::<S>::new(&ray, &setup, lane);
+                traverse::<S, ANY_HIT>(bvh, &ray, ROOT, single_stack, &mut best[lane]);
+            }
+            return Some(best);
+        }
         if !setup.is_one_major_axis() {
             return None;
         }
@@ -49,9 +61,6 @@ impl<const ANY_HIT: bool> WithSimd for TraversePacket<'_, ANY_HIT> {
                 hits.intersect_block::<S, ANY_HIT>(block, triangles, &rays, packet.active);
             }
             return Some(hits.best);
-        }
-        if !setup.is_one_octant() {
-            return None;
         }
         let interval = PacketInterval::<S::F32x16>::new(packet, &setup);
         let mut max_limit = hits.max_limit::<S>();

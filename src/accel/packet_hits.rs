@@ -1,19 +1,24 @@
 //! The results of a packet query while it traverses the tree.
 
+use super::bvh::Bvh;
 use super::constants::WIDTH;
 use super::hit_filter::{DISTANCE_PADDING, accept_hit};
 use super::packet_intersector::PacketIntersector;
 use super::ray_packet::RayPacket;
 use super::single_ray::SingleRay;
+use super::stack::Stack;
+use super::traverse_single::traverse;
 use super::triangle_block::TriangleBlock;
 use super::triangle_planes::{TrianglePlanes, clamp_to_box};
 use crate::geometry::{Hit, Sphere};
-use crate::math::Ray;
-use crate::simd::{Floats, PACKET_WIDTH, Scalar, SetBits, Simd};
+use crate::simd::{Doubles, Floats, PACKET_WIDTH, Scalar, SetBits, Simd};
 
 /// The hits of a packet, and the distance up to which each ray still looks: negative if it is done.
+#[derive(Debug)]
+#[repr(align(64))]
 pub(super) struct PacketHits {
-    pub(super) best: [Hit; PACKET_WIDTH],
+    distances: [f64; PACKET_WIDTH],
+    primitives: [u32; PACKET_WIDTH],
     pub(super) limits: [f32; PACKET_WIDTH],
 }
 
@@ -21,7 +26,8 @@ impl PacketHits {
     #[inline(always)]
     pub(super) fn new<const ANY_HIT: bool>(packet: &RayPacket) -> PacketHits {
         let mut hits = PacketHits {
-            best: [Hit::MISS; PACKET_WIDTH],
+            distances: [Hit::MISS.t; PACKET_WIDTH],
+            primitives: [Hit::MISS.primitive; PACKET_WIDTH],
             limits: [f32::MAX; PACKET_WIDTH],
         };
         for (lane, limit) in hits.limits.iter_mut().enumerate() {
@@ -34,18 +40,60 @@ impl PacketHits {
         hits
     }
 
+    /// The hit of a ray, or, of a query for any, one of them; [`Hit::MISS`] for none.
+    #[inline(always)]
+    pub(super) fn hit(&self, lane: usize) -> Hit {
+        Hit {
+            t: self.distances[lane],
+            primitive: self.primitives[lane],
+        }
+    }
+
+    #[inline(always)]
+    fn set_hit<const ANY_HIT: bool>(&mut self, lane: usize, hit: Hit) {
+        self.distances[lane] = hit.t;
+        self.primitives[lane] = hit.primitive;
+        self.limits[lane] = match ANY_HIT {
+            true => -1.0,
+            false => hit.t as f32 * DISTANCE_PADDING,
+        };
+    }
+
     /// The largest limit of all rays; negative if all are done.
     #[inline(always)]
     pub(super) fn max_limit<S: Simd>(&self) -> f32 {
         S::F32x16::load(&self.limits).reduce_max()
     }
 
+    /// Takes over what a query made of a ray's hit; returns whether that is another one.
     #[inline(always)]
-    fn accept_hit<const ANY_HIT: bool>(&mut self, ray: &Ray, lane: usize, t: f64, primitive: u32) {
-        if accept_hit::<ANY_HIT>(ray, t, primitive, &mut self.best[lane]) {
-            self.limits[lane] = -1.0;
-        } else if !ANY_HIT {
-            self.limits[lane] = self.best[lane].t as f32 * DISTANCE_PADDING;
+    fn update<const ANY_HIT: bool>(&mut self, lane: usize, best: Hit) -> bool {
+        let is_better = best != self.hit(lane);
+        if is_better {
+            self.set_hit::<ANY_HIT>(lane, best);
+        }
+        is_better
+    }
+
+    /// Traverses what is below a child by the rays of a mask, one after the other.
+    #[inline(always)]
+    pub(super) fn traverse_by_ray<S: Simd, const ANY_HIT: bool>(
+        &mut self,
+        bvh: &Bvh,
+        child: u32,
+        rays: &PacketIntersector<'_, S>,
+        active: u32,
+        stack: &mut Stack,
+    ) {
+        for lane in SetBits(active) {
+            if self.limits[lane] < 0.0 {
+                continue;
+            }
+            let ray = &rays.packet.ray(lane);
+            let ray = SingleRay::<S>::new(ray, rays.setup, lane);
+            let mut best = self.hit(lane);
+            traverse::<S, ANY_HIT>(bvh, &ray, child, stack, &mut best);
+            self.update::<ANY_HIT>(lane, best);
         }
     }
 
@@ -62,7 +110,9 @@ impl PacketHits {
         for lane in SetBits(active) {
             let ray = rays.packet.ray(lane);
             if let Some(t) = sphere.intersect(&ray) {
-                self.accept_hit::<ANY_HIT>(&ray, lane, t, primitive);
+                let mut best = self.hit(lane);
+                accept_hit::<ANY_HIT>(&ray, t, primitive, &mut best);
+                self.update::<ANY_HIT>(lane, best);
             }
         }
     }
@@ -91,17 +141,51 @@ impl PacketHits {
             changed = true;
             let vertices = block.splat_triangle::<Scalar, 1>(triangle, [0, 1, 2]);
             let plane = TrianglePlanes::through(vertices);
-            let (mut distances, inside) = rays.intersect_plane(&plane, passed);
-            for lane in SetBits(passed & !inside) {
-                let (ray, vertices) = (rays.packet.ray(lane), block.triangle(triangle));
-                distances[lane] = clamp_to_box(&ray, vertices, distances[lane]);
-            }
-            for lane in SetBits(passed) {
-                let ray = rays.packet.ray(lane);
-                self.accept_hit::<ANY_HIT>(&ray, lane, distances[lane], primitive);
+            for half in [0, 1] {
+                let passed = passed >> (half * WIDTH) & 0xff;
+                if passed == 0 { continue; }
+                let (mut t, inside) = rays.intersect_plane(&plane, half);
+                if passed & !inside != 0 {
+                    let mut distances = t.store();
+                    for lane in SetBits(passed & !inside) {
+                        let (ray, vertices) = (rays.packet.ray(half * WIDTH + lane), block.triangle(triangle));
+                        distances[lane] = clamp_to_box(&ray, vertices, distances[lane]);
+                    }
+                    t = S::F64x8::load(&distances);
+                }
+                let accepted = passed & self.accepted::<S, ANY_HIT>(rays.packet, half, t, primitive);
+                let distances = t.store();
+                for lane in SetBits(accepted) {
+                    let (t, lane) = (distances[lane], half * WIDTH + lane);
+                    if primitive != rays.packet.exclude[lane] {
+                        self.set_hit::<ANY_HIT>(lane, Hit { t, primitive });
+                    }
+                }
             }
         }
         changed
+    }
+
+    /// As [`accept_hit`], for half of a packet: the mask of rays whose query accepts a primitive at `t` but for what
+    /// they exclude.
+    #[inline(always)]
+    fn accepted<S: Simd, const ANY_HIT: bool>(&self, packet: &RayPacket, half: usize, t: S::F64x8, primitive: u32) -> u32 {
+        let positive = S::F64x8::splat(0.0).lt(t);
+        if ANY_HIT {
+            let t_max = S::F64x8::widen(S::F32x8::load(&packet.t_max.as_chunks().0[half]));
+            return positive & t.lt(t_max);
+        }
+        let best = S::F64x8::load(&self.distances.as_chunks().0[half]);
+        let (rounded, best_rounded) = (t.round_for_order(), best.round_for_order());
+        let before = rounded.lt(best_rounded);
+        let mut same = rounded.le(best_rounded) & !before & positive;
+        let mut lower = 0;
+        while same != 0 {
+            let lane = same.trailing_zeros() as usize % WIDTH;
+            same &= same - 1;
+            lower |= u32::from(primitive < self.primitives[half * WIDTH + lane]) << lane;
+        }
+        positive & (before | lower)
     }
 
     /// As [`PacketHits::intersect_block`], with all triangles, one ray after the other.
@@ -119,13 +203,9 @@ impl PacketHits {
                 continue;
             }
             let ray = SingleRay::<S>::new(ray, rays.setup, lane);
-            let before = self.best[lane];
-            if block.intersect::<S, ANY_HIT>(&ray, &mut self.best[lane]) {
-                self.limits[lane] = -1.0;
-            } else if !ANY_HIT {
-                self.limits[lane] = self.best[lane].t as f32 * DISTANCE_PADDING;
-            }
-            changed |= before != self.best[lane];
+            let mut best = self.hit(lane);
+            block.intersect::<S, ANY_HIT>(&ray, &mut best);
+            changed |= self.update::<ANY_HIT>(lane, best);
         }
         changed
     }

@@ -31,31 +31,22 @@ impl<S: Simd> PacketIntersector<'_, S> {
         }
     }
 
-    /// Where the rays of a mask meet the triangle's plane; and which of them are there inside the triangle's box.
-    /// Those of other rays mean nothing.
+    /// Where half of the rays meet the triangle's plane, and the mask of those that are there inside the
+    /// triangle's box.
     #[inline(always)]
     pub(super) fn intersect_plane(
         &self,
         triangle: &TrianglePlanes<ScalarDouble>,
-        rays: u32,
-    ) -> ([f64; PACKET_WIDTH], u32) {
-        let triangles = triangle.splat::<S::F64x8, WIDTH>();
-        let (mut distances, mut inside) = ([0.0; PACKET_WIDTH], 0);
+        half: usize,
+    ) -> (S::F64x8, u32) {
         let ([ox, oy, oz], [dx, dy, dz]) = (&self.packet.origin, &self.packet.direction);
-        for first in [0, WIDTH] {
-            if rays >> first & 0xff == 0 {
-                continue;
-            }
-            let half = |lanes: &[f32; PACKET_WIDTH]| {
-                S::F64x8::widen(S::F32x8::load(&lanes.as_chunks::<WIDTH>().0[first / WIDTH]))
-            };
-            let (origin, direction) = ([half(ox), half(oy), half(oz)], [half(dx), half(dy), half(dz)]);
-            let (t, outside) = triangles.intersect(origin, direction);
-            let padding = half(&self.setup.origin_magnitude).mul(S::F64x8::splat(triangle_padding(1.0)));
-            distances[first..first + WIDTH].copy_from_slice(&t.store());
-            inside |= outside.le(padding) << first;
-        }
-        (distances, inside)
+        let load = |lanes: &[f32; PACKET_WIDTH]| {
+            S::F64x8::widen(S::F32x8::load(&lanes.as_chunks().0[half]))
+        };
+        let (origin, direction) = ([load(ox), load(oy), load(oz)], [load(dx), load(dy), load(dz)]);
+        let (t, outside) = triangle.splat::<S::F64x8, WIDTH>().intersect(origin, direction);
+        let magnitude = load(&self.setup.origin_magnitude);
+        (t, outside.le(magnitude.mul(S::F64x8::splat(triangle_padding(1.0)))))
     }
 
     /// The mask of rays whose lines pass through the sphere.

@@ -2,6 +2,7 @@
 //! no tree, gathered into packets.
 
 use super::bvh::Bvh;
+use super::packet_hits::PacketHits;
 use super::query_state::QueryState;
 use super::ray_packet::RayPacket;
 use super::traverse_packet::TraversePacket;
@@ -89,29 +90,29 @@ impl Bvh {
         query_state: &mut QueryState,
         mut emit: impl FnMut(usize, Hit),
     ) {
-        if let Some(hits) = self.try_packet::<ANY_HIT>(packet, query_state) {
+        let mut hits = PacketHits::new::<ANY_HIT>(packet);
+        if self.try_packet::<ANY_HIT>(packet, query_state, &mut hits) {
             let lanes = packet.active_lanes();
-            lanes.for_each(|lane| emit(lane, hits[lane]));
+            lanes.for_each(|lane| emit(lane, hits.hit(lane)));
         } else {
             self.query_incoherent::<ANY_HIT, _>(rays, query_state, emit);
         }
     }
 
-    /// The hits of the rays of a packet; none if the rays are not coherent enough.
+    /// The hits of the rays of a packet; none if there is no tree and the rays do not share their major axis.
     #[inline]
     fn try_packet<const ANY_HIT: bool>(
         &self,
         packet: &RayPacket,
         query_state: &mut QueryState,
-    ) -> Option<[Hit; PACKET_WIDTH]> {
-        let hits = self.kernel.run(TraversePacket::<ANY_HIT> {
+        hits: &mut PacketHits,
+    ) -> bool {
+        self.kernel.run(TraversePacket::<ANY_HIT> {
             bvh: self,
             packet,
-            stack: &mut query_state.packet_stack,
-            single_stack: &mut query_state.stack,
-        })?;
-        query_state.rays += u64::from(packet.active.count_ones());
-        Some(hits)
+            query_state,
+            hits,
+        })
     }
 
     /// As [`Bvh::query_packet`], of numbered incoherent rays: in packets by their major axes where there is no
@@ -132,10 +133,10 @@ impl Bvh {
         let mut packets = [RayPacket::EMPTY; 3];
         let mut indices = [[0; PACKET_WIDTH]; 3];
         let mut flush = |packet: &RayPacket, indices: &[usize; PACKET_WIDTH]| {
-            let hits = self.try_packet::<ANY_HIT>(packet, query_state);
-            let hits = hits.expect("a common major axis is enough where there is no tree");
+            let mut hits = PacketHits::new::<ANY_HIT>(packet);
+            self.try_packet::<ANY_HIT>(packet, query_state, &mut hits);
             let lanes = packet.active_lanes();
-            lanes.for_each(|lane| emit(indices[lane], hits[lane]));
+            lanes.for_each(|lane| emit(indices[lane], hits.hit(lane)));
         };
         for (index, ray) in rays {
             let ray = ray.borrow();

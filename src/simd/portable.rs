@@ -1,6 +1,6 @@
 //! Lanes in an array, without vector instructions.
 
-use super::doubles::Doubles;
+use super::doubles::{Doubles, ORDERED_BITS};
 use super::floats::Floats;
 
 /// `N` lanes in an array.
@@ -132,6 +132,10 @@ impl<const N: usize> Doubles<N> for PortableDoubles<N> {
         PortableDoubles(floats.0.map(f64::from))
     }
     #[inline(always)]
+    fn load(lanes: &[f64; N]) -> Self {
+        PortableDoubles(*lanes)
+    }
+    #[inline(always)]
     fn store(self) -> [f64; N] {
         self.0
     }
@@ -154,6 +158,10 @@ impl<const N: usize> Doubles<N> for PortableDoubles<N> {
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         self.zip(other, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    fn round_for_order(self) -> Self {
+        PortableDoubles(self.0.map(|t| f64::from_bits(t.to_bits() & ORDERED_BITS)))
     }
     #[inline(always)]
     fn lt(self, other: Self) -> u32 {

@@ -4,7 +4,7 @@
     reason = "vector instructions; each block states why it is sound"
 )]
 
-use super::doubles::Doubles;
+use super::doubles::{Doubles, ORDERED_BITS};
 use super::x86_64::Avx2Floats;
 use std::arch::x86_64::*;
 
@@ -31,6 +31,12 @@ impl Doubles<8> for Avx2Doubles {
             let (low, high) = (_mm256_castps256_ps128(lanes), _mm256_extractf128_ps::<1>(lanes));
             Avx2Doubles(_mm256_cvtps_pd(low), _mm256_cvtps_pd(high))
         }
+    }
+    #[inline(always)]
+    fn load(lanes: &[f64; 8]) -> Self {
+        let (low, high) = lanes.split_at(4);
+        // SAFETY: as above; each pointer covers four lanes and needs no alignment.
+        unsafe { Avx2Doubles(_mm256_loadu_pd(low.as_ptr()), _mm256_loadu_pd(high.as_ptr())) }
     }
     #[inline(always)]
     fn store(self) -> [f64; 8] {
@@ -67,6 +73,14 @@ impl Doubles<8> for Avx2Doubles {
     fn max(self, other: Self) -> Self {
         // SAFETY: as above.
         unsafe { Avx2Doubles(_mm256_max_pd(self.0, other.0), _mm256_max_pd(self.1, other.1)) }
+    }
+    #[inline(always)]
+    fn round_for_order(self) -> Self {
+        // SAFETY: as above.
+        unsafe {
+            let mask = _mm256_castsi256_pd(_mm256_set1_epi64x(ORDERED_BITS as i64));
+            Avx2Doubles(_mm256_and_pd(self.0, mask), _mm256_and_pd(self.1, mask))
+        }
     }
     #[inline(always)]
     fn lt(self, other: Self) -> u32 {
@@ -106,6 +120,11 @@ impl Doubles<8> for Avx512Doubles {
         Avx512Doubles(unsafe { _mm512_cvtps_pd(lanes) })
     }
     #[inline(always)]
+    fn load(lanes: &[f64; 8]) -> Self {
+        // SAFETY: as above; the pointer covers all lanes and needs no alignment.
+        Avx512Doubles(unsafe { _mm512_loadu_pd(lanes.as_ptr()) })
+    }
+    #[inline(always)]
     fn store(self) -> [f64; 8] {
         let mut lanes = [0.0; 8];
         // SAFETY: as above; the pointer covers all lanes and needs no alignment.
@@ -136,6 +155,14 @@ impl Doubles<8> for Avx512Doubles {
     fn max(self, other: Self) -> Self {
         // SAFETY: as above.
         Avx512Doubles(unsafe { _mm512_max_pd(self.0, other.0) })
+    }
+    #[inline(always)]
+    fn round_for_order(self) -> Self {
+        // SAFETY: as above.
+        unsafe {
+            let mask = _mm512_castsi512_pd(_mm512_set1_epi64(ORDERED_BITS as i64));
+            Avx512Doubles(_mm512_and_pd(self.0, mask))
+        }
     }
     #[inline(always)]
     fn lt(self, other: Self) -> u32 {

@@ -1,12 +1,12 @@
 //! References to primitives and their bounds, four lanes wide.
 
 use crate::math::Aabb;
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 
 /// The box around a primitive, and the primitive's number.
 ///
 /// Four lanes, so that unions of boxes are vector instructions; the fourth of `min` holds the number, that of
-/// `max` is unused.
+/// `max`, in the first reference of a leaf, how many the leaf has.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PrimitiveRef {
     pub(super) min: Vec4,
@@ -25,10 +25,19 @@ impl PrimitiveRef {
         self.min.w.to_bits()
     }
 
+    /// How many references the leaf has that starts with this one.
+    pub(super) fn leaf_len(&self) -> usize {
+        self.max.w.to_bits() as usize
+    }
+
+    pub(super) fn set_leaf_len(&mut self, len: usize) {
+        self.max.w = f32::from_bits(len as u32);
+    }
+
     /// Twice the box's centre.
     #[inline(always)]
     pub(super) fn doubled_center(&self) -> Vec4 {
-        self.min + self.max
+        (self.min + self.max).truncate().extend(0.0)
     }
 }
 
@@ -64,22 +73,4 @@ impl Extent {
         self.doubled_center_min = self.doubled_center_min.min(reference.doubled_center());
         self.doubled_center_max = self.doubled_center_max.max(reference.doubled_center());
     }
-
-    pub(super) fn bounds(&self) -> Aabb {
-        Aabb {
-            min: self.min.truncate(),
-            max: self.max.truncate(),
-        }
-    }
-
-    pub(super) fn half_area(&self) -> f32 {
-        half_area(self.min, self.max)
-    }
-}
-
-/// Half the surface area of a box that is not empty.
-#[inline(always)]
-pub(super) fn half_area(min: Vec4, max: Vec4) -> f32 {
-    let e: Vec3 = (max - min).truncate();
-    e.x * e.y + e.y * e.z + e.z * e.x
 }

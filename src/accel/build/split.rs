@@ -1,7 +1,8 @@
 //! Splits a range of references by the binned surface area heuristic.
 
 use super::super::constants::WIDTH;
-use super::primitive_ref::{Extent, PrimitiveRef, half_area};
+use super::binary_node::half_area;
+use super::primitive_ref::{Extent, PrimitiveRef};
 use glam::Vec4;
 
 /// The most bins along each axis.

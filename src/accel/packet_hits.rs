@@ -24,17 +24,20 @@ pub(super) struct PacketHits {
 
 impl PacketHits {
     #[inline(always)]
-    pub(super) fn new<const ANY_HIT: bool>(packet: &RayPacket) -> PacketHits {
+    pub(super) fn new<const ANY_HIT: bool>(
+        active: u32,
+        t_max: &[f32; PACKET_WIDTH],
+    ) -> PacketHits {
         let mut hits = PacketHits {
             distances: [Hit::MISS.t; PACKET_WIDTH],
             primitives: [Hit::MISS.primitive; PACKET_WIDTH],
             limits: [f32::MAX; PACKET_WIDTH],
         };
         for (lane, limit) in hits.limits.iter_mut().enumerate() {
-            if packet.active >> lane & 1 == 0 {
+            if active >> lane & 1 == 0 {
                 *limit = -1.0;
             } else if ANY_HIT {
-                *limit = packet.t_max[lane] * DISTANCE_PADDING;
+                *limit = t_max[lane] * DISTANCE_PADDING;
             }
         }
         hits

@@ -40,12 +40,12 @@ impl<S: Simd> PacketIntersector<'_, S> {
         half: usize,
     ) -> (S::F64x8, u32) {
         let ([ox, oy, oz], [dx, dy, dz]) = (&self.packet.origin, &self.packet.direction);
-        let load = |lanes: &[f32; PACKET_WIDTH]| {
-            S::F64x8::widen(S::F32x8::load(&lanes.as_chunks().0[half]))
-        };
-        let (origin, direction) = ([load(ox), load(oy), load(oz)], [load(dx), load(dy), load(dz)]);
+        let (origin, direction) = (
+            [load::<S>(ox, half), load::<S>(oy, half), load::<S>(oz, half)],
+            [load::<S>(dx, half), load::<S>(dy, half), load::<S>(dz, half)],
+        );
         let (t, outside) = triangle.splat::<S::F64x8, WIDTH>().intersect(origin, direction);
-        let magnitude = load(&self.setup.origin_magnitude);
+        let magnitude = load::<S>(&self.setup.origin_magnitude, half);
         (t, outside.le(magnitude.mul(S::F64x8::splat(triangle_padding(1.0)))))
     }
 
@@ -65,4 +65,10 @@ impl<S: Simd> PacketIntersector<'_, S> {
         }
         lanes
     }
+}
+
+/// Half of the lanes.
+#[inline(always)]
+fn load<S: Simd>(lanes: &[f32; PACKET_WIDTH], half: usize) -> S::F64x8 {
+    S::F64x8::widen(S::F32x8::load(&lanes.as_chunks().0[half]))
 }

@@ -13,10 +13,20 @@ use super::packet_interval::PacketInterval;
 use super::query_state::QueryState;
 use super::ray_packet::RayPacket;
 use super::stack::PacketStack;
-use crate::simd::{Floats, Simd, WithSimd};
+use crate::math::Ray;
+use crate::simd::{Floats, PACKET_WIDTH, Simd, WithSimd};
 
 /// With fewer active rays at a block, one ray after the other meets all its triangles.
 const MIN_RAYS_FOR_PACKET_TRIANGLES: u32 = 3;
+
+/// How the rays of a packet are traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Coherence {
+    /// Together, if they turn out to be coherent enough.
+    Coherent,
+    /// One by one where there is a tree.
+    Incoherent,
+}
 
 /// Finds the hits of the active rays of a packet: closest hits, or, if `ANY_HIT`, some hit in each ray's interval.
 ///
@@ -24,6 +34,7 @@ const MIN_RAYS_FOR_PACKET_TRIANGLES: u32 = 3;
 pub(super) struct TraversePacket<'a, const ANY_HIT: bool> {
     pub(super) bvh: &'a Bvh,
     pub(super) packet: &'a RayPacket,
+    pub(super) coherence: Coherence,
     pub(super) query_state: &'a mut QueryState,
     pub(super) hits: &'a mut PacketHits,
 }
@@ -33,21 +44,61 @@ impl<const ANY_HIT: bool> WithSimd for TraversePacket<'_, ANY_HIT> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self) -> bool {
-        let TraversePacket { bvh, packet, query_state, hits } = self;
+        let TraversePacket {
+            bvh,
+            packet,
+            coherence,
+            query_state,
+            hits,
+        } = self;
         let setup = packet.setup::<S>(bvh.magnitude);
         let rays = PacketIntersector::<S>::new(packet, &setup);
-        let has_tree = !bvh.nodes.is_empty();
-        if has_tree && !(setup.is_one_octant() && setup.is_one_major_axis()) {
-            hits.traverse_by_ray::<S, ANY_HIT>(bvh, ROOT, &rays, packet.active, &mut query_state.stack);
-        } else if has_tree {
-            traverse_coherent::<S, ANY_HIT>(bvh, &rays, &mut query_state.packet_stack, hits);
-        } else if setup.is_one_major_axis() {
+        let is_coherent = coherence == Coherence::Coherent && setup.is_one_octant();
+        if bvh.nodes.is_empty() {
+            if !setup.is_one_major_axis() {
+                return false;
+            }
             test_all::<S, ANY_HIT>(bvh, &rays, hits);
+        } else if is_coherent && setup.is_one_major_axis() {
+            traverse_coherent::<S, ANY_HIT>(bvh, &rays, &mut query_state.packet_stack, hits);
         } else {
-            return false;
+            let stack = &mut query_state.stack;
+            hits.traverse_by_ray::<S, ANY_HIT>(bvh, ROOT, &rays, packet.active, stack);
         }
         query_state.rays += u64::from(packet.active.count_ones());
         true
+    }
+}
+
+/// As [`TraversePacket`], of sixteen rays that it packs: their closest hits.
+pub(super) struct ClosestOfRays<'a> {
+    pub(super) bvh: &'a Bvh,
+    pub(super) rays: &'a [Ray; PACKET_WIDTH],
+    pub(super) coherence: Coherence,
+    pub(super) query_state: &'a mut QueryState,
+    pub(super) hits: &'a mut PacketHits,
+}
+
+impl WithSimd for ClosestOfRays<'_> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self) -> bool {
+        let ClosestOfRays {
+            bvh,
+            rays,
+            coherence,
+            query_state,
+            hits,
+        } = self;
+        TraversePacket::<false> {
+            bvh,
+            packet: &RayPacket::of::<S>(rays),
+            coherence,
+            query_state,
+            hits,
+        }
+        .with_simd::<S>()
     }
 }
 

@@ -61,10 +61,10 @@ impl TriangleBlock {
             return false;
         }
         let planes = TrianglePlanes::<S::F64x8>::through(self.load_vertices([0, 1, 2]));
-        let [origin, direction] = [ray.ray.origin, ray.ray.direction].map(|v| {
-            let splat = |x: f32| S::F64x8::splat(x.into());
-            [splat(v.x), splat(v.y), splat(v.z)]
-        });
+        let (o, d) = (ray.ray.origin, ray.ray.direction);
+        let splat = S::F64x8::splat;
+        let origin = [splat(o.x.into()), splat(o.y.into()), splat(o.z.into())];
+        let direction = [splat(d.x.into()), splat(d.y.into()), splat(d.z.into())];
         let (distances, outside) = planes.intersect(origin, direction);
         let padding = triangle_padding(ray.origin_magnitude.into());
         // Not where that is NaN. Mostly all, and then the triangles' own magnitudes are not needed.

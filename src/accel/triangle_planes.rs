@@ -22,10 +22,13 @@ impl<D> TrianglePlanes<D> {
     where
         D: Doubles<N>,
     {
-        let widen = |[x, y, z]: [D::Floats; 3]| [D::widen(x), D::widen(y), D::widen(z)];
-        let min = |axis: usize| a[axis].min(b[axis]).min(c[axis]);
-        let max = |axis: usize| a[axis].max(b[axis]).max(c[axis]);
-        let ([ax, ay, az], [bx, by, bz], [cx, cy, cz]) = (widen(a), widen(b), widen(c));
+        let (mut min, mut max) = (a, a);
+        for axis in 0..3 {
+            min[axis] = a[axis].min(b[axis]).min(c[axis]);
+            max[axis] = a[axis].max(b[axis]).max(c[axis]);
+        }
+        let ([ax, ay, az], [bx, by, bz], [cx, cy, cz]) =
+            (widen::<D, N>(a), widen::<D, N>(b), widen::<D, N>(c));
         let (ux, uy, uz) = (bx.sub(ax), by.sub(ay), bz.sub(az));
         let (vx, vy, vz) = (cx.sub(ax), cy.sub(ay), cz.sub(az));
         TrianglePlanes {
@@ -35,8 +38,8 @@ impl<D> TrianglePlanes<D> {
                 uz.mul(vx).sub(vz.mul(ux)),
                 ux.mul(vy).sub(vx.mul(uy)),
             ],
-            min: widen([min(0), min(1), min(2)]),
-            max: widen([max(0), max(1), max(2)]),
+            min: widen(min),
+            max: widen(max),
         }
     }
 
@@ -46,10 +49,6 @@ impl<D> TrianglePlanes<D> {
     where
         D: Doubles<1>,
     {
-        let splat = |[x, y, z]: [D; 3]| {
-            let splat = |x: D| E::splat(x.store()[0]);
-            [splat(x), splat(y), splat(z)]
-        };
         TrianglePlanes {
             point: splat(self.point),
             normal: splat(self.normal),
@@ -69,13 +68,34 @@ impl<D> TrianglePlanes<D> {
         let ([ox, oy, oz], [dx, dy, dz]) = (origin, direction);
         let above = nx.mul(px.sub(ox)).add(ny.mul(py.sub(oy))).add(nz.mul(pz.sub(oz)));
         let t = above.div(nx.mul(dx).add(ny.mul(dy)).add(nz.mul(dz)));
-        let outside = |axis: usize, o: D, d: D| {
-            let at = o.add(t.mul(d));
-            self.min[axis].sub(at).max(at.sub(self.max[axis]))
-        };
-        let (x, y, z) = (outside(0, ox, dx), outside(1, oy, dy), outside(2, oz, dz));
+        let x = self.outside(0, ox.add(t.mul(dx)));
+        let y = self.outside(1, oy.add(t.mul(dy)));
+        let z = self.outside(2, oz.add(t.mul(dz)));
         (t, z.max(x.max(y)))
     }
+
+    /// How far a coordinate is outside the boxes along its axis.
+    #[inline(always)]
+    fn outside<const N: usize>(&self, axis: usize, at: D) -> D
+    where
+        D: Doubles<N>,
+    {
+        self.min[axis].sub(at).max(at.sub(self.max[axis]))
+    }
+}
+
+#[inline(always)]
+fn widen<D: Doubles<N>, const N: usize>([x, y, z]: [D::Floats; 3]) -> [D; 3] {
+    [D::widen(x), D::widen(y), D::widen(z)]
+}
+
+#[inline(always)]
+fn splat<D: Doubles<1>, E: Doubles<N>, const N: usize>([x, y, z]: [D; 3]) -> [E; 3] {
+    [
+        E::splat(x.store()[0]),
+        E::splat(y.store()[0]),
+        E::splat(z.store()[0]),
+    ]
 }
 
 /// The parameter nearest to `t` at which the ray is inside the triangle's box, padded on all sides; NaN if it misses

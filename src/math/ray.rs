@@ -8,7 +8,8 @@ pub const NO_PRIMITIVE: u32 = u32::MAX;
 /// A ray in scene space (see `scene`): the points `origin + t * direction` for `0 < t < t_max`.
 ///
 /// The direction need not be of unit length; t counts lengths of the direction.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 pub struct Ray {
     /// The start, in metres.
     pub origin: Vec3,

@@ -33,6 +33,12 @@ pub(crate) trait Simd {
     type F32x16: Floats<PACKET_WIDTH>;
     /// Exact distances of eight triangles, or of half a packet.
     type F64x8: Doubles<8, Floats = Self::F32x8>;
+
+    /// Columns from rows.
+    fn transpose(rows: [Self::F32x8; 8]) -> [Self::F32x8; 8];
+
+    /// The lanes of `low`, then those of `high`.
+    fn join(low: Self::F32x8, high: Self::F32x8) -> Self::F32x16;
 }
 
 /// A computation that is written once and compiled for every instruction set.
@@ -108,6 +114,16 @@ impl Simd for Portable {
     type F32x8 = PortableFloats<8>;
     type F32x16 = PortableFloats<PACKET_WIDTH>;
     type F64x8 = PortableDoubles<8>;
+
+    #[inline(always)]
+    fn transpose(rows: [PortableFloats<8>; 8]) -> [PortableFloats<8>; 8] {
+        PortableFloats::transpose(rows)
+    }
+
+    #[inline(always)]
+    fn join(low: PortableFloats<8>, high: PortableFloats<8>) -> PortableFloats<PACKET_WIDTH> {
+        PortableFloats::join(low, high)
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -123,6 +139,16 @@ mod avx2 {
         type F32x8 = Avx2Floats;
         type F32x16 = Avx2FloatsPair;
         type F64x8 = Avx2Doubles;
+
+        #[inline(always)]
+        fn transpose(rows: [Avx2Floats; 8]) -> [Avx2Floats; 8] {
+            Avx2Floats::transpose(rows)
+        }
+
+        #[inline(always)]
+        fn join(low: Avx2Floats, high: Avx2Floats) -> Avx2FloatsPair {
+            Avx2FloatsPair::join(low, high)
+        }
     }
 
     #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
@@ -143,6 +169,16 @@ mod avx512 {
         type F32x8 = Avx2Floats;
         type F32x16 = Avx512Floats;
         type F64x8 = Avx512Doubles;
+
+        #[inline(always)]
+        fn transpose(rows: [Avx2Floats; 8]) -> [Avx2Floats; 8] {
+            Avx2Floats::transpose(rows)
+        }
+
+        #[inline(always)]
+        fn join(low: Avx2Floats, high: Avx2Floats) -> Avx512Floats {
+            Avx512Floats::join(low, high)
+        }
     }
 
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma,bmi1,lzcnt,popcnt")]

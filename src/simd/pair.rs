@@ -7,6 +7,13 @@ use super::x86_64::Avx2Floats;
 #[derive(Clone, Copy)]
 pub(super) struct Avx2FloatsPair(Avx2Floats, Avx2Floats);
 
+impl Avx2FloatsPair {
+    #[inline(always)]
+    pub(super) fn join(low: Avx2Floats, high: Avx2Floats) -> Avx2FloatsPair {
+        Avx2FloatsPair(low, high)
+    }
+}
+
 impl Floats<16> for Avx2FloatsPair {
     #[inline(always)]
     fn splat(value: f32) -> Self {

@@ -22,6 +22,18 @@ impl<const N: usize> PortableFloats<N> {
     }
 }
 
+impl PortableFloats<8> {
+    #[inline(always)]
+    pub(super) fn transpose(rows: [Self; 8]) -> [Self; 8] {
+        std::array::from_fn(|column| PortableFloats(rows.map(|row| row.0[column])))
+    }
+
+    #[inline(always)]
+    pub(super) fn join(low: Self, high: Self) -> PortableFloats<16> {
+        PortableFloats(std::array::from_fn(|i| if i < 8 { low.0[i] } else { high.0[i - 8] }))
+    }
+}
+
 impl<const N: usize> Floats<N> for PortableFloats<N> {
     #[inline(always)]
     fn splat(value: f32) -> Self {

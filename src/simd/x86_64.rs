@@ -174,3 +174,51 @@ register!(
     },
     |yes, no| _mm512_mask_blend_ps(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(a, b), no, yes)
 );
+
+impl Avx2Floats {
+    /// Columns from rows.
+    #[inline(always)]
+    pub(super) fn transpose([a, b, c, d, e, f, g, h]: [Avx2Floats; 8]) -> [Avx2Floats; 8] {
+        let (a, b, c, d) = (a.0, b.0, c.0, d.0);
+        let (e, f, g, h) = (e.0, f.0, g.0, h.0);
+        // SAFETY: the instructions are present; see the macro.
+        unsafe {
+            // Pairs of rows, then fours, in each half of the registers; then the halves.
+            let (ab, ab_high) = (_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b));
+            let (cd, cd_high) = (_mm256_unpacklo_ps(c, d), _mm256_unpackhi_ps(c, d));
+            let (ef, ef_high) = (_mm256_unpacklo_ps(e, f), _mm256_unpackhi_ps(e, f));
+            let (gh, gh_high) = (_mm256_unpacklo_ps(g, h), _mm256_unpackhi_ps(g, h));
+            let first = [
+                _mm256_shuffle_ps::<0x44>(ab, cd),
+                _mm256_shuffle_ps::<0xee>(ab, cd),
+                _mm256_shuffle_ps::<0x44>(ab_high, cd_high),
+                _mm256_shuffle_ps::<0xee>(ab_high, cd_high),
+            ];
+            let last = [
+                _mm256_shuffle_ps::<0x44>(ef, gh),
+                _mm256_shuffle_ps::<0xee>(ef, gh),
+                _mm256_shuffle_ps::<0x44>(ef_high, gh_high),
+                _mm256_shuffle_ps::<0xee>(ef_high, gh_high),
+            ];
+            [
+                Avx2Floats(_mm256_permute2f128_ps::<0x20>(first[0], last[0])),
+                Avx2Floats(_mm256_permute2f128_ps::<0x20>(first[1], last[1])),
+                Avx2Floats(_mm256_permute2f128_ps::<0x20>(first[2], last[2])),
+                Avx2Floats(_mm256_permute2f128_ps::<0x20>(first[3], last[3])),
+                Avx2Floats(_mm256_permute2f128_ps::<0x31>(first[0], last[0])),
+                Avx2Floats(_mm256_permute2f128_ps::<0x31>(first[1], last[1])),
+                Avx2Floats(_mm256_permute2f128_ps::<0x31>(first[2], last[2])),
+                Avx2Floats(_mm256_permute2f128_ps::<0x31>(first[3], last[3])),
+            ]
+        }
+    }
+}
+
+impl Avx512Floats {
+    /// The lanes of `low`, then those of `high`.
+    #[inline(always)]
+    pub(super) fn join(low: Avx2Floats, high: Avx2Floats) -> Avx512Floats {
+        // SAFETY: the instructions are present; see the macro.
+        Avx512Floats(unsafe { _mm512_insertf32x8::<1>(_mm512_castps256_ps512(low.0), high.0) })
+    }
+}

@@ -106,6 +106,13 @@ impl Node {
         }
     }
 
+    /// The mask of lanes with a child.
+    #[inline(always)]
+    pub(super) fn occupied<V: Floats<WIDTH>>(&self) -> u32 {
+        let [lower, upper] = &self.planes[0];
+        V::load(lower).le(V::load(upper))
+    }
+
     /// The planes of all children.
     #[inline(always)]
     pub(super) fn planes<V: Floats<WIDTH>>(&self) -> [[V; 2]; 3] {

@@ -70,7 +70,7 @@ impl PacketHits {
 
     /// Takes over what a query made of a ray's hit; returns whether that is another one.
     #[inline(always)]
-    fn update<const ANY_HIT: bool>(&mut self, lane: usize, best: Hit) -> bool {
+    pub(super) fn update<const ANY_HIT: bool>(&mut self, lane: usize, best: Hit) -> bool {
         let is_better = best != self.hit(lane);
         if is_better {
             self.set_hit::<ANY_HIT>(lane, best);
@@ -95,6 +95,7 @@ impl PacketHits {
             let ray = &rays.packet.ray(lane);
             let ray = SingleRay::<S>::new(ray, rays.setup, lane);
             let mut best = self.hit(lane);
+            stack.clear();
             traverse::<S, ANY_HIT>(bvh, &ray, child, stack, &mut best);
             self.update::<ANY_HIT>(lane, best);
         }

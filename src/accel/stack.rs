@@ -43,6 +43,12 @@ impl Stack {
         self.len = 0;
     }
 
+    #[inline(always)]
+    pub(super) fn push_one(&mut self, child: u32) {
+        self.entries[self.len % STACK_SIZE] = u64::from(child);
+        self.len += 1;
+    }
+
     /// Pushes the children of a mask, without their distances, but for the first, which it returns.
     #[inline(always)]
     pub(super) fn push(&mut self, children: &[u32; WIDTH], mut mask: u32) -> Option<u32> {

@@ -33,6 +33,7 @@ impl<const ANY_HIT: bool> WithSimd for TraverseSingle<'_, ANY_HIT> {
         if bvh.nodes.is_empty() {
             test_all::<S, ANY_HIT>(bvh, &ray, &mut best);
         } else {
+            stack.clear();
             traverse::<S, ANY_HIT>(bvh, &ray, ROOT, stack, &mut best);
         }
         best
@@ -71,7 +72,6 @@ pub(super) fn traverse<S: Simd, const ANY_HIT: bool>(
     } else {
         best.t as f32 * DISTANCE_PADDING
     };
-    stack.clear();
     let mut next = child;
     loop {
         match Child::unpack(next) {

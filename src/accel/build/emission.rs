@@ -6,7 +6,6 @@ use super::super::triangle_block::TriangleBlock;
 use super::binary_node::{BinaryNode, Content};
 use super::binary_tree::BinaryTree;
 use super::collapse::{Collapse, Root};
-use super::primitive_ref::PrimitiveRef;
 use crate::math::Aabb;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -89,20 +88,19 @@ impl Emitter<'_> {
         emission.nodes.push(Node::new(&[]));
         let mut roots = Vec::with_capacity(WIDTH);
         self.collect(root, WIDTH, &mut roots);
-        let children: Vec<Child> = if depth < MAX_PARALLEL_DEPTH {
-            let emit = |root| {
+        let children: Vec<(Aabb, Child)> = if depth < MAX_PARALLEL_DEPTH {
+            let emit = |root: &BinaryNode| {
                 let mut emission = Emission::default();
-                (self.add(root, depth + 1, &mut emission), emission)
+                let child = self.add(root, depth + 1, &mut emission);
+                (root.bounds(), child, emission)
             };
             let parts: Vec<_> = roots.par_iter().map(emit).collect();
-            let append = |(child, part)| emission.append(part, child);
+            let append = |(bounds, child, part)| (bounds, emission.append(part, child));
             parts.into_iter().map(append).collect()
         } else {
-            let add = |root| self.add(root, depth + 1, emission);
+            let add = |root: &BinaryNode| (root.bounds(), self.add(root, depth + 1, emission));
             roots.iter().map(add).collect()
         };
-        let bounds = roots.iter().map(BinaryNode::bounds);
-        let children: Vec<(Aabb, Child)> = bounds.zip(children).collect();
         emission.nodes[index] = Node::new(&children);
         Child::Node(index as u32)
     }
@@ -123,18 +121,23 @@ impl Emitter<'_> {
 
 /// The block of the triangles of a subtree.
 fn block(tree: &BinaryTree, root: &BinaryNode, triangles: &[[Vec3; 3]]) -> TriangleBlock {
-    let mut ids = Vec::with_capacity(WIDTH);
-    add_ids(tree, root, &mut ids);
-    ids.sort_unstable();
-    TriangleBlock::new(&ids, triangles)
+    let (mut ids, mut len) = ([0; WIDTH], 0);
+    add_ids(tree, root, &mut ids, &mut len);
+    ids[..len].sort_unstable();
+    TriangleBlock::new(&ids[..len], triangles)
 }
 
-fn add_ids(tree: &BinaryTree, node: &BinaryNode, ids: &mut Vec<u32>) {
+fn add_ids(tree: &BinaryTree, node: &BinaryNode, ids: &mut [u32; WIDTH], len: &mut usize) {
     match node.content() {
-        Content::Leaf(first) => ids.extend(tree.leaf(first).iter().map(PrimitiveRef::id)),
+        Content::Leaf(first) => {
+            for reference in tree.leaf(first) {
+                ids[*len] = reference.id();
+                *len += 1;
+            }
+        }
         Content::Pair(pair) => {
             for child in tree.pair(pair) {
-                add_ids(tree, child, ids);
+                add_ids(tree, child, ids, len);
             }
         }
     }

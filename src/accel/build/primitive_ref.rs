@@ -17,7 +17,7 @@ impl PrimitiveRef {
     pub(super) fn new(bounds: Aabb, id: u32) -> PrimitiveRef {
         PrimitiveRef {
             min: bounds.min.extend(f32::from_bits(id)),
-            max: bounds.max.extend(0.0),
+            max: bounds.max.extend(1.0),
         }
     }
 
@@ -25,19 +25,19 @@ impl PrimitiveRef {
         self.min.w.to_bits()
     }
 
-    /// How many references the leaf has that starts with this one.
+    /// How many references the leaf has that starts with this one; 1 if none does.
     pub(super) fn leaf_len(&self) -> usize {
-        self.max.w.to_bits() as usize
+        self.max.w as usize
     }
 
     pub(super) fn set_leaf_len(&mut self, len: usize) {
-        self.max.w = f32::from_bits(len as u32);
+        self.max.w = len as f32;
     }
 
-    /// Twice the box's centre.
+    /// Twice the box's centre, and a fourth number that is not denormal, which would be slow.
     #[inline(always)]
     pub(super) fn doubled_center(&self) -> Vec4 {
-        (self.min + self.max).truncate().extend(0.0)
+        self.min + self.max
     }
 }
 
@@ -70,7 +70,12 @@ impl Extent {
     pub(super) fn add(&mut self, reference: &PrimitiveRef) {
         self.min = self.min.min(reference.min);
         self.max = self.max.max(reference.max);
-        self.doubled_center_min = self.doubled_center_min.min(reference.doubled_center());
-        self.doubled_center_max = self.doubled_center_max.max(reference.doubled_center());
+        self.add_center(reference.doubled_center());
+    }
+
+    #[inline(always)]
+    pub(super) fn add_center(&mut self, doubled_center: Vec4) {
+        self.doubled_center_min = self.doubled_center_min.min(doubled_center);
+        self.doubled_center_max = self.doubled_center_max.max(doubled_center);
     }
 }

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 const MAX_WITHOUT_TREE: usize = 2;
 
 /// Children of nodes above this depth are emitted in parallel.
-const MAX_PARALLEL_DEPTH: usize = 2;
+const MAX_PARALLEL_DEPTH: usize = 1;
 
 pub(super) fn emit(
     tree: &BinaryTree,
@@ -43,15 +43,15 @@ pub(super) fn emit(
 }
 
 #[derive(Default)]
-struct Emission {
+struct Emission<'a> {
     nodes: Vec<Node>,
     /// The roots of the subtrees that become blocks.
-    blocks: Vec<BinaryNode>,
+    blocks: Vec<&'a BinaryNode>,
 }
 
-impl Emission {
+impl Emission<'_> {
     /// Appends a subtree that was emitted in parallel; returns its renumbered root.
-    fn append(&mut self, mut other: Emission, root: Child) -> Child {
+    fn append(&mut self, mut other: Self, root: Child) -> Child {
         let (nodes, blocks) = (self.nodes.len() as u32, self.blocks.len() as u32);
         for node in &mut other.nodes {
             node.offset_children(nodes, blocks);
@@ -67,9 +67,9 @@ struct Emitter<'a> {
     collapse: &'a Collapse,
 }
 
-impl Emitter<'_> {
+impl<'a> Emitter<'a> {
     /// Adds a subtree as one root.
-    fn add(&self, root: &BinaryNode, depth: usize, emission: &mut Emission) -> Child {
+    fn add(&self, root: &'a BinaryNode, depth: usize, emission: &mut Emission<'a>) -> Child {
         match root.content() {
             Content::Pair(pair) if self.collapse.root(pair) == Root::Node => {
                 return self.add_node(root, depth, emission);
@@ -79,17 +79,17 @@ impl Emitter<'_> {
             }
             _ => {}
         }
-        emission.blocks.push(*root);
+        emission.blocks.push(root);
         Child::Triangles(emission.blocks.len() as u32 - 1)
     }
 
-    fn add_node(&self, root: &BinaryNode, depth: usize, emission: &mut Emission) -> Child {
+    fn add_node(&self, root: &'a BinaryNode, depth: usize, emission: &mut Emission<'a>) -> Child {
         let index = emission.nodes.len();
         emission.nodes.push(Node::new(&[]));
         let mut roots = Vec::with_capacity(WIDTH);
         self.collect(root, WIDTH, &mut roots);
         let children: Vec<(Aabb, Child)> = if depth < MAX_PARALLEL_DEPTH {
-            let emit = |root: &BinaryNode| {
+            let emit = |root: &&'a BinaryNode| {
                 let mut emission = Emission::default();
                 let child = self.add(root, depth + 1, &mut emission);
                 (root.bounds(), child, emission)
@@ -98,7 +98,7 @@ impl Emitter<'_> {
             let append = |(bounds, child, part)| (bounds, emission.append(part, child));
             parts.into_iter().map(append).collect()
         } else {
-            let add = |root: &BinaryNode| (root.bounds(), self.add(root, depth + 1, emission));
+            let add = |root: &&'a BinaryNode| (root.bounds(), self.add(root, depth + 1, emission));
             roots.iter().map(add).collect()
         };
         emission.nodes[index] = Node::new(&children);
@@ -106,7 +106,7 @@ impl Emitter<'_> {
     }
 
     /// Collects the roots of a subtree that becomes a forest of at most so many.
-    fn collect(&self, node: &BinaryNode, roots: usize, collected: &mut Vec<BinaryNode>) {
+    fn collect(&self, node: &'a BinaryNode, roots: usize, collected: &mut Vec<&'a BinaryNode>) {
         if let Content::Pair(pair) = node.content()
             && let Some(division) = self.collapse.division(pair, roots)
         {
@@ -114,7 +114,7 @@ impl Emitter<'_> {
                 self.collect(child, roots, collected);
             }
         } else {
-            collected.push(*node);
+            collected.push(node);
         }
     }
 }

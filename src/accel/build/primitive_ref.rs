@@ -2,6 +2,10 @@
 
 use crate::math::Aabb;
 use glam::Vec4;
+use rayon::prelude::*;
+
+/// Of more references, so many at a time are worked on in parallel.
+pub(super) const PARALLEL_CHUNK: usize = 1 << 15;
 
 /// The box around a primitive, and the primitive's number.
 ///
@@ -60,22 +64,37 @@ impl Extent {
 
     pub(super) fn of(references: &[PrimitiveRef]) -> Extent {
         let mut extent = Extent::EMPTY;
-        for reference in references {
-            extent.add(reference);
+        if references.len() > PARALLEL_CHUNK {
+            let chunks = references.par_chunks(PARALLEL_CHUNK);
+            for part in chunks.map(Extent::of).collect::<Vec<_>>() {
+                extent = extent.union(&part);
+            }
+        } else {
+            for reference in references {
+                extent.add(reference);
+            }
         }
         extent
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, reference: &PrimitiveRef) {
-        self.min = self.min.min(reference.min);
-        self.max = self.max.max(reference.max);
-        self.add_center(reference.doubled_center());
+    fn add(&mut self, reference: &PrimitiveRef) {
+        let center = reference.doubled_center();
+        *self = self.union(&Extent {
+            min: reference.min,
+            max: reference.max,
+            doubled_center_min: center,
+            doubled_center_max: center,
+        });
     }
 
     #[inline(always)]
-    pub(super) fn add_center(&mut self, doubled_center: Vec4) {
-        self.doubled_center_min = self.doubled_center_min.min(doubled_center);
-        self.doubled_center_max = self.doubled_center_max.max(doubled_center);
+    fn union(&self, other: &Extent) -> Extent {
+        Extent {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+            doubled_center_min: self.doubled_center_min.min(other.doubled_center_min),
+            doubled_center_max: self.doubled_center_max.max(other.doubled_center_max),
+        }
     }
 }

@@ -2,8 +2,9 @@
 
 use super::super::constants::WIDTH;
 use super::binary_node::half_area;
-use super::primitive_ref::{Extent, PrimitiveRef};
+use super::primitive_ref::{Extent, PARALLEL_CHUNK, PrimitiveRef};
 use glam::Vec4;
+use rayon::prelude::*;
 
 /// The most bins along each axis.
 const MAX_BINS: usize = 16;
@@ -111,15 +112,34 @@ impl Bin {
     }
 }
 
+/// What falls into each bin along each axis.
+type Bins<const BINS: usize> = [[Bin; BINS]; 3];
+
+/// Sorts references into bins.
+fn fill_bins<const BINS: usize>(references: &[PrimitiveRef], binning: &Binning) -> Bins<BINS> {
+    let mut bins = [[Bin::EMPTY; BINS]; 3];
+    if references.len() > PARALLEL_CHUNK {
+        let chunks = references.par_chunks(PARALLEL_CHUNK);
+        let parts: Vec<Bins<BINS>> = chunks.map(|chunk| fill_bins(chunk, binning)).collect();
+        for part in parts {
+            for (bin, other) in bins.iter_mut().flatten().zip(part.iter().flatten()) {
+                bin.join(other.min, other.max, other.count);
+            }
+        }
+    } else {
+        for reference in references {
+            for (axis, bin) in binning.bins(reference).into_iter().enumerate() {
+                bins[axis][bin % BINS].join(reference.min, reference.max, 1);
+            }
+        }
+    }
+    bins
+}
+
 /// The plane between bins of the least cost; none if all centres fall into one bin along every axis.
 fn best_plane<const BINS: usize>(references: &[PrimitiveRef], extent: &Extent) -> Option<Plane> {
     let binning = Binning::new(extent, BINS);
-    let mut bins = [[Bin::EMPTY; BINS]; 3];
-    for reference in references {
-        for (axis, bin) in binning.bins(reference).into_iter().enumerate() {
-            bins[axis][bin % BINS].join(reference.min, reference.max, 1);
-        }
-    }
+    let bins: Bins<BINS> = fill_bins(references, &binning);
     let mut best: Option<(f32, Plane)> = None;
     for (axis, bins) in bins.iter().enumerate() {
         if binning.scale[axis] == 0.0 {

@@ -73,6 +73,13 @@ impl BinaryTree {
         let references = &self.references[first as usize..];
         &references[..references[0].leaf_len()]
     }
+
+    /// The sphere that a leaf is; none if it has triangles.
+    pub(super) fn sphere(&self, first: u32) -> Option<u32> {
+        self.references[first as usize]
+            .id()
+            .checked_sub(self.first_sphere)
+    }
 }
 
 /// The nodes of the tree over a range.

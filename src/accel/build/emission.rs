@@ -5,10 +5,11 @@ use super::super::node::{Child, Node};
 use super::super::triangle_block::TriangleBlock;
 use super::binary_node::{BinaryNode, Content};
 use super::binary_tree::BinaryTree;
-use super::collapse::{Collapse, Root};
+use super::collapse::Collapse;
 use crate::math::Aabb;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::cmp::Reverse;
 
 /// At most this many blocks and this many spheres are tested one after the other, without a tree.
 const MAX_WITHOUT_TREE: usize = 2;
@@ -71,13 +72,15 @@ impl<'a> Emitter<'a> {
     /// Adds a subtree as one root.
     fn add(&self, root: &'a BinaryNode, depth: usize, emission: &mut Emission<'a>) -> Child {
         match root.content() {
-            Content::Pair(pair) if self.collapse.root(pair) == Root::Node => {
+            Content::Pair(pair) if !self.collapse.is_block(pair) => {
                 return self.add_node(root, depth, emission);
             }
-            Content::Leaf(first) if self.tree.leaf(first)[0].id() >= self.tree.first_sphere => {
-                return Child::Sphere(self.tree.leaf(first)[0].id() - self.tree.first_sphere);
+            Content::Leaf(first) => {
+                if let Some(sphere) = self.tree.sphere(first) {
+                    return Child::Sphere(sphere);
+                }
             }
-            _ => {}
+            Content::Pair(_) => {}
         }
         emission.blocks.push(root);
         Child::Triangles(emission.blocks.len() as u32 - 1)
@@ -88,19 +91,27 @@ impl<'a> Emitter<'a> {
         emission.nodes.push(Node::new(&[]));
         let mut roots = Vec::with_capacity(WIDTH);
         self.collect(root, WIDTH, &mut roots);
-        let children: Vec<(Aabb, Child)> = if depth < MAX_PARALLEL_DEPTH {
+        let children: Vec<Child> = if depth < MAX_PARALLEL_DEPTH {
             let emit = |root: &&'a BinaryNode| {
                 let mut emission = Emission::default();
-                let child = self.add(root, depth + 1, &mut emission);
-                (root.bounds(), child, emission)
+                (self.add(root, depth + 1, &mut emission), emission)
             };
             let parts: Vec<_> = roots.par_iter().map(emit).collect();
-            let append = |(bounds, child, part)| (bounds, emission.append(part, child));
+            let append = |(child, part)| emission.append(part, child);
             parts.into_iter().map(append).collect()
         } else {
-            let add = |root: &&'a BinaryNode| (root.bounds(), self.add(root, depth + 1, emission));
+            let add = |root: &&'a BinaryNode| self.add(root, depth + 1, emission);
             roots.iter().map(add).collect()
         };
+        let mut children: Vec<_> = roots.into_iter().zip(children).collect();
+        // Shadow rays visit the children that they enter from the last to the first: leaves, where they may end
+        // at once, then small nodes, where there is less to walk through.
+        children.sort_by_key(|(root, child)| {
+            let is_leaf = !matches!(child, Child::Node(_));
+            (is_leaf, Reverse(root.half_area().to_bits()))
+        });
+        let bounds = |(root, child): (&BinaryNode, Child)| (root.bounds(), child);
+        let children: Vec<(Aabb, Child)> = children.into_iter().map(bounds).collect();
         emission.nodes[index] = Node::new(&children);
         Child::Node(index as u32)
     }

@@ -13,7 +13,7 @@ const MAX_SAH_DEPTH: usize = MAX_DEPTH - 31;
 
 /// Ranges of more references are split one level at a time, all of a level in parallel; others become subtrees
 /// that are built on one thread each.
-const MAX_SEQUENTIAL: usize = 1 << 14;
+const MAX_SEQUENTIAL: usize = 1 << 12;
 
 /// The most triangles of a leaf. Fewer than fill a block: the collapse merges leaves where that is cheaper, and
 /// rays visit a tenth fewer nodes and blocks than with leaves of eight.
@@ -72,6 +72,13 @@ impl BinaryTree {
     pub(super) fn leaf(&self, first: u32) -> &[PrimitiveRef] {
         let references = &self.references[first as usize..];
         &references[..references[0].leaf_len()]
+    }
+
+    /// The sphere that a leaf is; none if it has triangles.
+    pub(super) fn sphere(&self, first: u32) -> Option<u32> {
+        self.references[first as usize]
+            .id()
+            .checked_sub(self.first_sphere)
     }
 }
 

@@ -14,13 +14,6 @@ use std::sync::atomic::{AtomicU32, Ordering};
 /// Subtrees up to this depth are worked on in parallel.
 const MAX_PARALLEL_DEPTH: usize = 8;
 
-/// How a subtree becomes one root.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Root {
-    Node,
-    Block,
-}
-
 /// The choice for every inner node.
 pub(super) struct Collapse {
     /// For each pair and number of roots from 1 to 8 four bits: how many of the roots the left child gets, or 0 for
@@ -46,12 +39,9 @@ impl Collapse {
         collapse
     }
 
-    /// What the pair below an inner node becomes as one root.
-    pub(super) fn root(&self, pair: u32) -> Root {
-        match self.choice(pair, 1) {
-            0 => Root::Node,
-            _ => Root::Block,
-        }
+    /// Whether a pair becomes one block where it becomes one root.
+    pub(super) fn is_block(&self, pair: u32) -> bool {
+        self.choice(pair, 1) != 0
     }
 
     /// How many of at most `roots` roots the left of a pair gets and how many the right; none if the whole is one.

@@ -5,17 +5,17 @@ use super::super::node::{Child, Node};
 use super::super::triangle_block::TriangleBlock;
 use super::binary_node::{BinaryNode, Content};
 use super::binary_tree::BinaryTree;
-use super::collapse::{Collapse, Root};
-use super::primitive_ref::PrimitiveRef;
+use super::collapse::Collapse;
 use crate::math::Aabb;
 use glam::Vec3;
 use rayon::prelude::*;
+use std::cmp::Reverse;
 
 /// At most this many blocks and this many spheres are tested one after the other, without a tree.
 const MAX_WITHOUT_TREE: usize = 2;
 
 /// Children of nodes above this depth are emitted in parallel.
-const MAX_PARALLEL_DEPTH: usize = 2;
+const MAX_PARALLEL_DEPTH: usize = 1;
 
 pub(super) fn emit(
     tree: &BinaryTree,
@@ -44,15 +44,15 @@ pub(super) fn emit(
 }
 
 #[derive(Default)]
-struct Emission {
+struct Emission<'a> {
     nodes: Vec<Node>,
     /// The roots of the subtrees that become blocks.
-    blocks: Vec<BinaryNode>,
+    blocks: Vec<&'a BinaryNode>,
 }
 
-impl Emission {
+impl Emission<'_> {
     /// Appends a subtree that was emitted in parallel; returns its renumbered root.
-    fn append(&mut self, mut other: Emission, root: Child) -> Child {
+    fn append(&mut self, mut other: Self, root: Child) -> Child {
         let (nodes, blocks) = (self.nodes.len() as u32, self.blocks.len() as u32);
         for node in &mut other.nodes {
             node.offset_children(nodes, blocks);
@@ -68,29 +68,31 @@ struct Emitter<'a> {
     collapse: &'a Collapse,
 }
 
-impl Emitter<'_> {
+impl<'a> Emitter<'a> {
     /// Adds a subtree as one root.
-    fn add(&self, root: &BinaryNode, depth: usize, emission: &mut Emission) -> Child {
+    fn add(&self, root: &'a BinaryNode, depth: usize, emission: &mut Emission<'a>) -> Child {
         match root.content() {
-            Content::Pair(pair) if self.collapse.root(pair) == Root::Node => {
+            Content::Pair(pair) if !self.collapse.is_block(pair) => {
                 return self.add_node(root, depth, emission);
             }
-            Content::Leaf(first) if self.tree.leaf(first)[0].id() >= self.tree.first_sphere => {
-                return Child::Sphere(self.tree.leaf(first)[0].id() - self.tree.first_sphere);
+            Content::Leaf(first) => {
+                if let Some(sphere) = self.tree.sphere(first) {
+                    return Child::Sphere(sphere);
+                }
             }
-            _ => {}
+            Content::Pair(_) => {}
         }
-        emission.blocks.push(*root);
+        emission.blocks.push(root);
         Child::Triangles(emission.blocks.len() as u32 - 1)
     }
 
-    fn add_node(&self, root: &BinaryNode, depth: usize, emission: &mut Emission) -> Child {
+    fn add_node(&self, root: &'a BinaryNode, depth: usize, emission: &mut Emission<'a>) -> Child {
         let index = emission.nodes.len();
         emission.nodes.push(Node::new(&[]));
         let mut roots = Vec::with_capacity(WIDTH);
         self.collect(root, WIDTH, &mut roots);
         let children: Vec<Child> = if depth < MAX_PARALLEL_DEPTH {
-            let emit = |root| {
+            let emit = |root: &&'a BinaryNode| {
                 let mut emission = Emission::default();
                 (self.add(root, depth + 1, &mut emission), emission)
             };
@@ -98,17 +100,24 @@ impl Emitter<'_> {
             let append = |(child, part)| emission.append(part, child);
             parts.into_iter().map(append).collect()
         } else {
-            let add = |root| self.add(root, depth + 1, emission);
+            let add = |root: &&'a BinaryNode| self.add(root, depth + 1, emission);
             roots.iter().map(add).collect()
         };
-        let bounds = roots.iter().map(BinaryNode::bounds);
-        let children: Vec<(Aabb, Child)> = bounds.zip(children).collect();
+        let mut children: Vec<_> = roots.into_iter().zip(children).collect();
+        // Shadow rays visit the children that they enter from the last to the first: leaves, where they may end
+        // at once, then small nodes, where there is less to walk through.
+        children.sort_by_key(|(root, child)| {
+            let is_leaf = !matches!(child, Child::Node(_));
+            (is_leaf, Reverse(root.half_area().to_bits()))
+        });
+        let bounds = |(root, child): (&BinaryNode, Child)| (root.bounds(), child);
+        let children: Vec<(Aabb, Child)> = children.into_iter().map(bounds).collect();
         emission.nodes[index] = Node::new(&children);
         Child::Node(index as u32)
     }
 
     /// Collects the roots of a subtree that becomes a forest of at most so many.
-    fn collect(&self, node: &BinaryNode, roots: usize, collected: &mut Vec<BinaryNode>) {
+    fn collect(&self, node: &'a BinaryNode, roots: usize, collected: &mut Vec<&'a BinaryNode>) {
         if let Content::Pair(pair) = node.content()
             && let Some(division) = self.collapse.division(pair, roots)
         {
@@ -116,25 +125,30 @@ impl Emitter<'_> {
                 self.collect(child, roots, collected);
             }
         } else {
-            collected.push(*node);
+            collected.push(node);
         }
     }
 }
 
 /// The block of the triangles of a subtree.
 fn block(tree: &BinaryTree, root: &BinaryNode, triangles: &[[Vec3; 3]]) -> TriangleBlock {
-    let mut ids = Vec::with_capacity(WIDTH);
-    add_ids(tree, root, &mut ids);
-    ids.sort_unstable();
-    TriangleBlock::new(&ids, triangles)
+    let (mut ids, mut len) = ([0; WIDTH], 0);
+    add_ids(tree, root, &mut ids, &mut len);
+    ids[..len].sort_unstable();
+    TriangleBlock::new(&ids[..len], triangles)
 }
 
-fn add_ids(tree: &BinaryTree, node: &BinaryNode, ids: &mut Vec<u32>) {
+fn add_ids(tree: &BinaryTree, node: &BinaryNode, ids: &mut [u32; WIDTH], len: &mut usize) {
     match node.content() {
-        Content::Leaf(first) => ids.extend(tree.leaf(first).iter().map(PrimitiveRef::id)),
+        Content::Leaf(first) => {
+            for reference in tree.leaf(first) {
+                ids[*len] = reference.id();
+                *len += 1;
+            }
+        }
         Content::Pair(pair) => {
             for child in tree.pair(pair) {
-                add_ids(tree, child, ids);
+                add_ids(tree, child, ids, len);
             }
         }
     }

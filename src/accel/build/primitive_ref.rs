@@ -2,6 +2,10 @@
 
 use crate::math::Aabb;
 use glam::Vec4;
+use rayon::prelude::*;
+
+/// Of more references, so many at a time are worked on in parallel.
+pub(super) const PARALLEL_CHUNK: usize = 1 << 15;
 
 /// The box around a primitive, and the primitive's number.
 ///
@@ -17,7 +21,7 @@ impl PrimitiveRef {
     pub(super) fn new(bounds: Aabb, id: u32) -> PrimitiveRef {
         PrimitiveRef {
             min: bounds.min.extend(f32::from_bits(id)),
-            max: bounds.max.extend(0.0),
+            max: bounds.max.extend(1.0),
         }
     }
 
@@ -25,19 +29,19 @@ impl PrimitiveRef {
         self.min.w.to_bits()
     }
 
-    /// How many references the leaf has that starts with this one.
+    /// How many references the leaf has that starts with this one; 1 if none does.
     pub(super) fn leaf_len(&self) -> usize {
-        self.max.w.to_bits() as usize
+        self.max.w as usize
     }
 
     pub(super) fn set_leaf_len(&mut self, len: usize) {
-        self.max.w = f32::from_bits(len as u32);
+        self.max.w = len as f32;
     }
 
-    /// Twice the box's centre.
+    /// Twice the box's centre, and a fourth number that is not denormal, which would be slow.
     #[inline(always)]
     pub(super) fn doubled_center(&self) -> Vec4 {
-        (self.min + self.max).truncate().extend(0.0)
+        self.min + self.max
     }
 }
 
@@ -60,17 +64,37 @@ impl Extent {
 
     pub(super) fn of(references: &[PrimitiveRef]) -> Extent {
         let mut extent = Extent::EMPTY;
-        for reference in references {
-            extent.add(reference);
+        if references.len() > PARALLEL_CHUNK {
+            let chunks = references.par_chunks(PARALLEL_CHUNK);
+            for part in chunks.map(Extent::of).collect::<Vec<_>>() {
+                extent = extent.union(&part);
+            }
+        } else {
+            for reference in references {
+                extent.add(reference);
+            }
         }
         extent
     }
 
     #[inline(always)]
-    pub(super) fn add(&mut self, reference: &PrimitiveRef) {
-        self.min = self.min.min(reference.min);
-        self.max = self.max.max(reference.max);
-        self.doubled_center_min = self.doubled_center_min.min(reference.doubled_center());
-        self.doubled_center_max = self.doubled_center_max.max(reference.doubled_center());
+    fn add(&mut self, reference: &PrimitiveRef) {
+        let center = reference.doubled_center();
+        *self = self.union(&Extent {
+            min: reference.min,
+            max: reference.max,
+            doubled_center_min: center,
+            doubled_center_max: center,
+        });
+    }
+
+    #[inline(always)]
+    fn union(&self, other: &Extent) -> Extent {
+        Extent {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+            doubled_center_min: self.doubled_center_min.min(other.doubled_center_min),
+            doubled_center_max: self.doubled_center_max.max(other.doubled_center_max),
+        }
     }
 }

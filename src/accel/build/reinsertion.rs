@@ -10,8 +10,10 @@ use std::collections::BinaryHeap;
 /// Many passes of few moves are better than few of many: each starts from what the last has found.
 const PASSES: usize = 8;
 
-/// One of so many nodes is moved in each pass, if it can be.
+/// One of so many nodes is moved in each pass, if it can be, but at most as many as this: they have nearly all of
+/// the area.
 const NODES_PER_MOVE: usize = 32;
+const MAX_MOVES: usize = 4096;
 
 const ROOT: u32 = 0;
 
@@ -22,7 +24,7 @@ pub(super) fn reinsert(nodes: &mut Vec<BinaryNode>) {
     }
     let mut tree = LinkedTree::new(std::mem::take(nodes));
     for _ in 0..PASSES {
-        let candidates = tree.largest(tree.nodes.len() / NODES_PER_MOVE);
+        let candidates = tree.largest(MAX_MOVES.min(tree.nodes.len() / NODES_PER_MOVE));
         let places: Vec<_> = candidates
             .par_iter()
             .map_init(Vec::new, |stack, &node| tree.best_place(node, stack))

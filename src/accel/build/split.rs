@@ -2,11 +2,12 @@
 
 use super::super::constants::WIDTH;
 use super::binary_node::half_area;
-use super::primitive_ref::{Extent, PrimitiveRef};
+use super::primitive_ref::{Extent, PARALLEL_CHUNK, PrimitiveRef};
 use glam::Vec4;
+use rayon::prelude::*;
 
 /// The most bins along each axis.
-const MAX_BINS: usize = 32;
+const MAX_BINS: usize = 16;
 
 /// A range of references, partitioned in two.
 pub(super) struct Partition {
@@ -21,19 +22,25 @@ pub(super) fn split(references: &mut [PrimitiveRef], extent: Extent, by_sah: boo
     // Few references need few bins: sweeping over them would cost more than sorting into them.
     let plane = match references.len() {
         _ if !by_sah => None,
-        0..64 => best_plane::<8>(references, &extent),
+
+        0..16 => best_plane::<4>(references, &extent),
+        16..256 => best_plane::<8>(references, &extent),
         _ => best_plane::<MAX_BINS>(references, &extent),
     };
-    if let Some(plane) = plane {
-        return partition(references, plane);
-    }
-    let count = references.len() / 2;
+    let count = match plane {
+        Some(plane) => partition(references, &plane),
+        None => references.len() / 2,
+    };
     let (left, right) = references.split_at(count);
     Partition {
         count,
         extents: [Extent::of(left), Extent::of(right)],
     }
 }
+
+/// Added to a number whose last bit is worth one, a float leaves its integer in the lower bits: faster than a
+/// conversion that checks its range.
+const ROUND: f32 = (1 << 23) as f32;
 
 /// Maps twice a centre to bins, along all axes at once.
 #[derive(Clone, Copy)]
@@ -55,19 +62,21 @@ impl Binning {
         }
     }
 
+    /// The bin along each axis, added to [`ROUND`].
+    #[inline(always)]
+    fn rounded(&self, doubled_center: Vec4) -> Vec4 {
+        (doubled_center - self.min) * self.scale + Vec4::splat(ROUND)
+    }
+
     /// The bin along each axis.
     #[inline(always)]
     fn bins(&self, reference: &PrimitiveRef) -> [usize; 3] {
-        // Added to a number whose last bit is worth one, a float leaves its integer in the lower bits:
-        // faster than a conversion that checks its range.
-        const ROUND: f32 = (1 << 23) as f32;
-        let at = (reference.doubled_center() - self.min) * self.scale + Vec4::splat(ROUND);
+        let at = self.rounded(reference.doubled_center());
         let bin = |x: f32| x.to_bits() as usize % MAX_BINS;
         [bin(at.x), bin(at.y), bin(at.z)]
     }
 }
 
-#[derive(Clone, Copy)]
 struct Plane {
     binning: Binning,
     axis: usize,
@@ -99,40 +108,56 @@ impl Bin {
     /// The cost of the surface area heuristic: area times the number of blocks, as eight triangles are tested
     /// at once.
     fn cost(&self) -> f32 {
-        if self.count == 0 {
-            return 0.0;
-        }
         half_area(self.min, self.max) * self.count.div_ceil(WIDTH) as f32
     }
+}
+
+/// What falls into each bin along each axis.
+type Bins<const BINS: usize> = [[Bin; BINS]; 3];
+
+/// Sorts references into bins.
+fn fill_bins<const BINS: usize>(references: &[PrimitiveRef], binning: &Binning) -> Bins<BINS> {
+    let mut bins = [[Bin::EMPTY; BINS]; 3];
+    if references.len() > PARALLEL_CHUNK {
+        let chunks = references.par_chunks(PARALLEL_CHUNK);
+        let parts: Vec<Bins<BINS>> = chunks.map(|chunk| fill_bins(chunk, binning)).collect();
+        for part in parts {
+            for (bin, other) in bins.iter_mut().flatten().zip(part.iter().flatten()) {
+                bin.join(other.min, other.max, other.count);
+            }
+        }
+    } else {
+        for reference in references {
+            for (axis, bin) in binning.bins(reference).into_iter().enumerate() {
+                bins[axis][bin % BINS].join(reference.min, reference.max, 1);
+            }
+        }
+    }
+    bins
 }
 
 /// The plane between bins of the least cost; none if all centres fall into one bin along every axis.
 fn best_plane<const BINS: usize>(references: &[PrimitiveRef], extent: &Extent) -> Option<Plane> {
     let binning = Binning::new(extent, BINS);
-    let mut bins = [[Bin::EMPTY; BINS]; 3];
-    for reference in references {
-        for (axis, bin) in binning.bins(reference).into_iter().enumerate() {
-            bins[axis][bin % BINS].join(reference.min, reference.max, 1);
-        }
-    }
+    let bins: Bins<BINS> = fill_bins(references, &binning);
     let mut best: Option<(f32, Plane)> = None;
     for (axis, bins) in bins.iter().enumerate() {
         if binning.scale[axis] == 0.0 {
             continue;
         }
-        let mut cost_of_right = [0.0; BINS];
+        let mut costs = [0.0; BINS];
         let mut right = Bin::EMPTY;
         for bin in (1..BINS).rev() {
             right.join(bins[bin].min, bins[bin].max, bins[bin].count);
-            cost_of_right[bin] = right.cost();
+            costs[bin] = right.cost();
         }
         let mut left = Bin::EMPTY;
         for bin in 1..BINS {
             let last = bins[bin - 1];
             left.join(last.min, last.max, last.count);
-            let total = left.cost() + cost_of_right[bin];
+            let total = left.cost() + costs[bin];
             let parts = left.count > 0 && left.count < references.len();
-            if parts && best.is_none_or(|(least, _)| total < least) {
+            if parts && best.as_ref().is_none_or(|(least, _)| total < *least) {
                 best = Some((total, Plane { binning, axis, bin }));
             }
         }
@@ -140,24 +165,18 @@ fn best_plane<const BINS: usize>(references: &[PrimitiveRef], extent: &Extent) -
     best.map(|(_, plane)| plane)
 }
 
-/// Moves the references left of the plane to the front.
-fn partition(references: &mut [PrimitiveRef], plane: Plane) -> Partition {
-    let is_left = |r: &PrimitiveRef| plane.binning.bins(r)[plane.axis] < plane.bin;
-    let mut extents = [Extent::EMPTY; 2];
-    let (mut left, mut right) = (0, references.len());
-    while left < right {
-        let reference = references[left];
-        if is_left(&reference) {
-            extents[0].add(&reference);
-            left += 1;
-        } else {
-            extents[1].add(&reference);
-            right -= 1;
-            references.swap(left, right);
-        }
+/// Moves the references left of the plane to the front; returns how many there are.
+fn partition(references: &mut [PrimitiveRef], plane: &Plane) -> usize {
+    let first_right = Vec4::splat(ROUND + plane.bin as f32);
+    let mut left = 0;
+    for i in 0..references.len() {
+        let reference = references[i];
+        let at = plane.binning.rounded(reference.doubled_center());
+        let is_right = at.cmpge(first_right).bitmask() as usize >> plane.axis & 1;
+        // Without a branch, which would be mispredicted half of the time.
+        references[i] = references[left];
+        references[left] = reference;
+        left += 1 - is_right;
     }
-    Partition {
-        count: left,
-        extents,
-    }
+    left
 }

@@ -4,7 +4,7 @@ use super::super::bvh::Bvh;
 use super::super::constants::{MAX_DEPTH, WIDTH};
 use super::binary_node::{BinaryNode, Content};
 use super::binary_tree::BinaryTree;
-use super::collapse::{Collapse, Root};
+use super::collapse::Collapse;
 use super::primitive_ref::PrimitiveRef;
 use super::references;
 use super::reinsertion::reinsert;
@@ -172,7 +172,7 @@ fn chosen_cost(tree: &BinaryTree, collapse: &Collapse, node: BinaryNode, roots: 
         Content::Leaf(_) => area,
         Content::Pair(pair) => match collapse.division(pair, roots) {
             Some(division) => cost(division, pair),
-            None if collapse.root(pair) == Root::Block => area,
+            None if collapse.is_block(pair) => area,
             None => area + cost(collapse.division(pair, WIDTH).expect("children"), pair),
         },
     }

@@ -55,8 +55,8 @@ impl Stack {
         if mask == 0 {
             return None;
         }
-        let first = children[mask.trailing_zeros() as usize % WIDTH];
-        mask &= mask - 1;
+        let first = children[(31 - mask.leading_zeros()) as usize % WIDTH];
+        mask ^= 1 << (31 - mask.leading_zeros());
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;

@@ -132,12 +132,13 @@ impl PacketHits {
         active: u32,
     ) -> bool {
         let mut changed = false;
+        let depth_error = S::F32x16::load(&rays.setup.depth_error);
         while triangles != 0 {
             let triangle = triangles.trailing_zeros() as usize % WIDTH;
             triangles &= triangles - 1;
             let primitive = block.ids()[triangle];
             let vertices = block.splat_triangle::<S::F32x16, PACKET_WIDTH>(triangle, rays.axes);
-            let limits = S::F32x16::load(&self.limits);
+            let limits = S::F32x16::load(&self.limits).add(depth_error);
             let passed = active & rays.sheared.intersect(&vertices, limits);
             if passed == 0 {
                 continue;

@@ -13,6 +13,8 @@ pub(super) struct SingleRay<'a, S: Simd> {
     pub(super) sheared: ShearedRays<S::F32x8>,
     /// The permutation of the axes, the one along which the direction is longest last.
     pub(super) axes: [usize; 3],
+    /// The error bound of a ray parameter of a vertex, in either direction.
+    pub(super) depth_error: f32,
     /// The largest absolute coordinate of the origin.
     pub(super) origin_magnitude: f32,
 }
@@ -30,6 +32,7 @@ impl<'a, S: Simd> SingleRay<'a, S> {
             boxes: BoxRay::splat(setup, lane),
             sheared: ShearedRays::splat(setup, lane),
             axes: setup.axes(lane),
+            depth_error: setup.depth_error[lane % RAYS],
             origin_magnitude: setup.origin_magnitude[lane % RAYS],
         }
     }

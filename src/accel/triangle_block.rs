@@ -54,7 +54,7 @@ impl TriangleBlock {
         best: &mut Hit,
     ) -> bool {
         let limit = if ANY_HIT { ray.ray.t_max } else { best.t as f32 };
-        let limit = S::F32x8::splat(limit * DISTANCE_PADDING);
+        let limit = S::F32x8::splat(limit * DISTANCE_PADDING + ray.depth_error);
         let vertices = self.load_vertices::<S::F32x8>(ray.axes);
         let passed = ray.sheared.intersect(&vertices, limit);
         if passed == 0 {

@@ -12,13 +12,13 @@ use crate::simd::Floats;
 #[derive(Clone, Copy)]
 pub(super) struct ShearedRays<V> {
     /// The origin, in permuted axes.
-    pub(super) origin: [V; 3],
+    origin: [V; 3],
     /// The slopes of x and y against z.
-    pub(super) slopes: [V; 2],
+    slopes: [V; 2],
     /// 1 / direction.z: the ray parameter of one unit of z.
-    pub(super) inv_dz: V,
-    /// The error bound of a ray parameter, in either direction.
-    pub(super) depth_error: V,
+    inv_dz: V,
+    /// What lies before this ray parameter lies behind the origin, less than the error bound from it.
+    behind: V,
 }
 
 /// Smaller slopes count as 0: their products with lengths would underflow and turn a ray in a triangle's
@@ -37,7 +37,7 @@ impl<V> ShearedRays<V> {
             origin: [V::load(ox), V::load(oy), V::load(oz)],
             slopes: [V::load(sx), V::load(sy)],
             inv_dz: V::load(&setup.inv_dz),
-            depth_error: V::load(&setup.depth_error),
+            behind: V::splat(0.0).sub(V::load(&setup.depth_error)),
         }
     }
 
@@ -56,7 +56,7 @@ impl<V> ShearedRays<V> {
             origin: [V::splat(ox[lane]), V::splat(oy[lane]), V::splat(oz[lane])],
             slopes: [V::splat(sx[lane]), V::splat(sy[lane])],
             inv_dz: V::splat(setup.inv_dz[lane]),
-            depth_error: V::splat(setup.depth_error[lane]),
+            behind: V::splat(-setup.depth_error[lane]),
         }
     }
 
@@ -81,11 +81,10 @@ impl<V> ShearedRays<V> {
         let zero = V::splat(0.0);
         let min = edge_a.min(edge_b).min(edge_c);
         let max = edge_a.max(edge_b).max(edge_c);
-        // All three zero: the line lies in the triangle's plane, and does not pass through it.
-        let not_flat = min.lt(max) | zero.lt(min) | max.lt(zero);
+        // Not all three zero: then the line lies in the triangle's plane, and does not pass through it.
+        let inside = (zero.le(min) & zero.lt(max)) | (max.le(zero) & min.lt(zero));
         let (first, last) = (at.min(bt).min(ct), at.max(bt).max(ct));
-        let in_range = zero.lt(last.add(self.depth_error)) & first.sub(self.depth_error).le(limit);
-        (zero.le(min) | max.le(zero)) & not_flat & in_range
+        inside & self.behind.lt(last) & first.le(limit)
     }
 
     /// Points in the rays' space: x, y, and the ray parameter at their z.

@@ -106,33 +106,3 @@ impl<V: Floats<PACKET_WIDTH>> PacketInterval<V> {
     }
 }
 
-pub(super) struct PacketBoxes<V> { inverse: [V; 3], near_offset: [V; 3], far_offset: [V; 3] }
-
-impl<V: Floats<PACKET_WIDTH>> PacketBoxes<V> {
-    #[inline(always)]
-    pub(super) fn new(setup: &RaySetup<PACKET_WIDTH>) -> Self {
-        let zero = V::splat(0.0);
-        let mut boxes = PacketBoxes { inverse: [zero; 3], near_offset: [zero; 3], far_offset: [zero; 3] };
-        for axis in 0..3 {
-            boxes.inverse[axis] = V::load(&setup.inverse[axis]);
-            boxes.near_offset[axis] = V::load(&setup.near_offset[axis]);
-            boxes.far_offset[axis] = V::load(&setup.far_offset[axis]);
-        }
-        boxes
-    }
-
-    #[inline(always)]
-    pub(super) fn intersect_child(&self, node: &Node, child: usize, limits: V) -> u32 {
-        let mut near = V::splat(0.0);
-        let mut far = limits;
-        for axis in 0..3 {
-            let inverse = self.inverse[axis];
-            let [lower, upper] = &node.planes[axis];
-            let lower = V::splat(lower[child]).mul(inverse);
-            let upper = V::splat(upper[child]).mul(inverse);
-            near = lower.min(upper).sub(self.near_offset[axis]).max(near);
-            far = lower.max(upper).sub(self.far_offset[axis]).min(far);
-        }
-        near.le(far)
-    }
-}

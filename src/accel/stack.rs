@@ -43,10 +43,11 @@ impl Stack {
         self.len = 0;
     }
 
+    /// Pushes a child, or not, without a branch.
     #[inline(always)]
-    pub(super) fn push_one(&mut self, child: u32) {
+    pub(super) fn push_if(&mut self, child: u32, is_pushed: bool) {
         self.entries[self.len % STACK_SIZE] = u64::from(child);
-        self.len += 1;
+        self.len += usize::from(is_pushed);
     }
 
     /// Pushes the children of a mask, without their distances, but for the first, which it returns.

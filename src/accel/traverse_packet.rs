@@ -12,9 +12,7 @@ use super::packet_intersector::PacketIntersector;
 use super::packet_interval::PacketInterval;
 use super::query_state::QueryState;
 use super::ray_packet::RayPacket;
-use super::single_ray::SingleRay;
-use super::traverse_single::traverse;
-use crate::simd::SetBits;
+use super::traverse_shared::occluded_shared;
 use super::stack::PacketStack;
 use crate::math::Ray;
 use crate::simd::{Floats, PACKET_WIDTH, Simd, WithSimd};
@@ -65,7 +63,7 @@ impl<const ANY_HIT: bool> WithSimd for TraversePacket<'_, ANY_HIT> {
         } else if is_coherent && setup.is_one_major_axis() {
             traverse_coherent::<S, ANY_HIT>(bvh, &rays, &mut query_state.packet_stack, hits);
         } else if ANY_HIT && packet.active.count_ones() > 8 {
-            traverse_mixed::<S, ANY_HIT>(bvh, &rays, query_state, hits);
+            occluded_shared::<S>(bvh, &rays, &mut query_state.stack, hits);
         } else {
             let stack = &mut query_state.stack;
             hits.traverse_by_ray::<S, ANY_HIT>(bvh, ROOT, &rays, packet.active, stack);
@@ -182,52 +180,3 @@ fn traverse_coherent<S: Simd, const ANY_HIT: bool>(
     }
 }
 
-/// Rays of any directions.
-#[inline(always)]
-fn traverse_mixed<S: Simd, const ANY_HIT: bool>(
-    bvh: &Bvh,
-    rays: &PacketIntersector<S>,
-    query_state: &mut QueryState,
-    hits: &mut PacketHits,
-) {
-    let T: u32 = 8;
-    let boxes = super::packet_interval::PacketBoxes::<S::F32x16>::new(rays.setup);
-    let limits = S::F32x16::load(&hits.limits);
-    let QueryState { packet_stack, stack, lists, .. } = query_state;
-    packet_stack.clear();
-    let mut counts = [0usize; PACKET_WIDTH];
-    let (mut next, mut active) = (ROOT, rays.packet.active);
-    loop {
-        let node = &bvh.nodes[(next >> 2) as usize];
-        let mut occupied = node.occupied::<S::F32x8>();
-        while occupied != 0 {
-            let child = occupied.trailing_zeros() as usize % 8;
-            occupied &= occupied - 1;
-            let entering = active & boxes.intersect_child(node, child, limits);
-            if entering == 0 { continue; }
-            let word = node.children[child];
-            if word & 3 == 0 && entering.count_ones() > T {
-                packet_stack.insert(packet_stack.len(), 0.0, word, entering);
-            } else {
-                for lane in SetBits(entering) {
-                    lists[lane][counts[lane] % 64] = word;
-                    counts[lane] += 1;
-                }
-            }
-        }
-        let Some((_, child, entering)) = packet_stack.pop() else { break; };
-        (next, active) = (child, entering);
-    }
-    for lane in SetBits(rays.packet.active) {
-        let count = counts[lane];
-        if count == 0 { continue; }
-        let ray = &rays.packet.ray(lane);
-        let ray = SingleRay::<S>::new(ray, rays.setup, lane);
-        let mut best = hits.hit(lane);
-        let list = &lists[lane];
-        stack.clear();
-        for i in 1..count { stack.push_one(list[i % 64]); }
-        traverse::<S, ANY_HIT>(bvh, &ray, list[0], stack, &mut best);
-        hits.update::<ANY_HIT>(lane, best);
-    }
-}

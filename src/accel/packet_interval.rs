@@ -2,7 +2,6 @@
 //! 2006, "Geometric and Arithmetic Culling Methods for Entire Ray Packets").
 
 use super::constants::WIDTH;
-use super::node::Node;
 use super::ray_packet::RayPacket;
 use super::ray_setup::RaySetup;
 use super::rounding::BOX_PADDING;
@@ -10,11 +9,7 @@ use crate::simd::{Floats, PACKET_WIDTH};
 
 /// What box tests need of rays whose directions lie in one octant: each ray, and the intervals of origins
 /// and reciprocal directions of all.
-pub(super) struct PacketInterval<V> {
-    /// Axis by axis: t = plane * inverse - offset.
-    inverse: [V; 3],
-    near_offset: [V; 3],
-    far_offset: [V; 3],
+pub(super) struct PacketInterval {
     /// Whether the rays descend: they enter boxes through their upper planes.
     down: [bool; 3],
     /// The origin farthest along the direction, and the one farthest back, padded outwards.
@@ -25,16 +20,15 @@ pub(super) struct PacketInterval<V> {
     max_inverse: [f32; 3],
 }
 
-impl<V: Floats<PACKET_WIDTH>> PacketInterval<V> {
+impl PacketInterval {
     /// Of a packet whose directions lie in one octant.
     #[inline(always)]
-    pub(super) fn new(packet: &RayPacket, setup: &RaySetup<PACKET_WIDTH>) -> PacketInterval<V> {
-        let zero = V::splat(0.0);
+    pub(super) fn new<V: Floats<PACKET_WIDTH>>(
+        packet: &RayPacket,
+        setup: &RaySetup<PACKET_WIDTH>,
+    ) -> PacketInterval {
         let padding = BOX_PADDING * V::load(&setup.origin_magnitude).reduce_max();
         let mut interval = PacketInterval {
-            inverse: [zero; 3],
-            near_offset: [zero; 3],
-            far_offset: [zero; 3],
             down: [false; 3],
             last_origin: [0.0; 3],
             first_origin: [0.0; 3],
@@ -44,9 +38,6 @@ impl<V: Floats<PACKET_WIDTH>> PacketInterval<V> {
         for axis in 0..3 {
             let down = setup.down[axis] != 0;
             let inverse = V::load(&setup.inverse[axis]);
-            interval.inverse[axis] = inverse;
-            interval.near_offset[axis] = V::load(&setup.near_offset[axis]);
-            interval.far_offset[axis] = V::load(&setup.far_offset[axis]);
             interval.down[axis] = down;
             let origin = V::load(&packet.origin[axis]);
             let lowest = origin.reduce_min() - padding;
@@ -88,21 +79,4 @@ impl<V: Floats<PACKET_WIDTH>> PacketInterval<V> {
         }
         (near, far)
     }
-
-    /// The mask of rays that may enter the box of a child within their limits.
-    #[inline(always)]
-    pub(super) fn intersect_child(&self, node: &Node, child: usize, limits: V) -> u32 {
-        let mut near = V::splat(0.0);
-        let mut far = limits;
-        for axis in 0..3 {
-            let inverse = self.inverse[axis];
-            let sides = &node.planes[axis];
-            let entry = V::splat(sides[usize::from(self.down[axis])][child]);
-            let exit = V::splat(sides[usize::from(!self.down[axis])][child]);
-            near = entry.mul_sub(inverse, self.near_offset[axis]).max(near);
-            far = exit.mul_sub(inverse, self.far_offset[axis]).min(far);
-        }
-        near.le(far)
-    }
 }
-

@@ -7,6 +7,7 @@
 
 use super::bvh::Bvh;
 use super::node::{Child, ROOT};
+use super::packet_boxes::PacketBoxes;
 use super::packet_hits::PacketHits;
 use super::packet_intersector::PacketIntersector;
 use super::packet_interval::PacketInterval;
@@ -126,7 +127,8 @@ fn traverse_coherent<S: Simd, const ANY_HIT: bool>(
     stack: &mut PacketStack,
     hits: &mut PacketHits,
 ) {
-    let interval = PacketInterval::<S::F32x16>::new(rays.packet, rays.setup);
+    let interval = PacketInterval::new::<S::F32x16>(rays.packet, rays.setup);
+    let boxes = PacketBoxes::<S::F32x16>::new(rays.setup);
     let mut max_limit = hits.max_limit::<S>();
     stack.clear();
     let (mut next, mut active) = (ROOT, rays.packet.active);
@@ -142,7 +144,7 @@ fn traverse_coherent<S: Simd, const ANY_HIT: bool>(
                 while entered != 0 {
                     let lane = entered.trailing_zeros() as usize;
                     entered &= entered - 1;
-                    let entering = active & interval.intersect_child(node, lane, limits);
+                    let entering = active & boxes.intersect_child(node, lane, limits);
                     if entering != 0 {
                         stack.insert(first, near[lane], node.children[lane], entering);
                     }

@@ -17,7 +17,7 @@ use super::traverse_single::traverse;
 use crate::simd::{Floats, PACKET_WIDTH, SetBits, Simd};
 
 /// Nodes that fewer rays enter are left to each.
-const MIN_RAYS: u32 = 10;
+const MIN_RAYS: u32 = 8;
 
 /// At most this many nodes are tested for all.
 const MAX_NODES: usize = 8;

@@ -1,8 +1,9 @@
 //! Ray queries over triangles and spheres: an 8-wide bounding volume hierarchy.
 //!
-//! *Build*: top down by the binned surface area heuristic (Wald 2007), each node split until it has eight
-//! children; leaves hold up to eight triangles or one sphere. The smallest scenes have no tree, and all their
-//! rays go in packets.
+//! *Build*: a binary tree by the binned surface area heuristic (Wald 2007), improved by reinsertion of its largest
+//! nodes (Bittner et al. 2013), of which the cheapest choice of nodes gets eight children (Ylitie et al. 2017);
+//! leaves hold up to eight triangles or one sphere. The smallest scenes have no tree, and all their rays go in
+//! packets.
 //!
 //! *Traversal*: single rays against eight boxes or triangles at once, coherent rays in packets of sixteen. It is
 //! written once over [`simd`](crate::simd) lanes and compiled for every instruction set; all kernels give the

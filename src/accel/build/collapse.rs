@@ -1,6 +1,6 @@
 //! Which nodes of the binary tree become nodes and blocks: the choice of the least cost by the surface area
 //! heuristic, by dynamic programming (Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray Traversal on GPUs
-//! Through Compressed Wide BVHs", section 3.1).
+//! Through Compressed Wide BVHs").
 //!
 //! A subtree is turned into a forest of at most so many trees, whose roots will be children of one node: either
 //! of one tree, or of what its left and right child are turned into. One tree is a node over a forest of eight, or
@@ -79,14 +79,11 @@ impl Collapse {
 
 impl Forest {
     fn of_leaf(tree: &BinaryTree, node: &BinaryNode, first: u32) -> Forest {
-        let references = tree.leaf(first);
-        let is_sphere = references[0].id() >= tree.first_sphere;
         Forest {
             costs: [node.half_area(); WIDTH - 1],
-            triangles: if is_sphere {
-                WIDTH + 1
-            } else {
-                references.len()
+            triangles: match tree.sphere(first) {
+                Some(_) => WIDTH + 1,
+                None => tree.leaf(first).len(),
             },
         }
     }

@@ -4,6 +4,17 @@
 //! 2. reinsertion of its largest nodes where they cost least (Bittner et al. 2013, [`reinsertion`]);
 //! 3. the cheapest choice of its nodes for a tree of eight children (Ylitie et al. 2017, [`collapse`]);
 //! 4. the nodes and blocks that rays traverse ([`emission`]).
+//!
+//! # Tried, and no better
+//!
+//! By nodes and one and a half times blocks that rays visit in Sponza, a kitchen, and it with a million triangles:
+//!
+//! * Leaves of 3 to 5 triangles before the collapse: -1 to +3 %, for a longer build. Leaves of 8: +11 %.
+//! * 32 bins, or more bins for few references: -0.5 to +4 %.
+//! * In the heuristic, blocks of four or six triangles: +4 and +7 %.
+//! * Reinsertion of eight times as many nodes: -3 %, for a build that takes twice as long. Half the passes: +3 %.
+//!   Reinsertion above ancestors, too: -0.6 %.
+//! * Bins filled from both halves of a range in turn, so that few references in a row fall into the same: no faster.
 
 mod binary_node;
 mod binary_tree;

@@ -10,9 +10,10 @@ use std::collections::BinaryHeap;
 /// Many passes of few moves are better than few of many: each starts from what the last has found.
 const PASSES: usize = 8;
 
-/// One of so many nodes is moved in each pass, if it can be, but at most as many as this: they have nearly all of
-/// the area.
+/// In each pass one of so many nodes is moved, if that helps.
 const NODES_PER_MOVE: usize = 32;
+
+/// The most nodes that are moved in a pass: nearly all of the area is in the largest.
 const MAX_MOVES: usize = 4096;
 
 const ROOT: u32 = 0;
@@ -121,7 +122,6 @@ impl LinkedTree {
             ancestor = self.parent(ancestor);
             search.below(sibling, saved);
             rest = BinaryNode::around(&[rest, self.nodes[sibling as usize]], 0);
-            search.consider(ancestor, saved - rest.half_area());
             saved += self.nodes[ancestor as usize].half_area() - rest.half_area();
         }
         search.best.1
@@ -148,8 +148,8 @@ impl LinkedTree {
         }
     }
 
-    /// Puts `contents` into slots; `above` becomes the parent of the second. Returns by how much
-    /// the sum of areas grows.
+    /// Puts contents into slots, of which `above` becomes the parent of the second, and fits all boxes above. Returns
+    /// by how much the sum of areas grows.
     fn replace(&mut self, slots: [u32; 3], contents: [BinaryNode; 3], above: u32) -> f64 {
         for (slot, content) in slots.into_iter().zip(contents) {
             self.nodes[slot as usize] = content;
@@ -160,6 +160,7 @@ impl LinkedTree {
         let mut change = self.refit(above).1;
         for slot in [slots[0], slots[2]] {
             let mut node = slot;
+            // The parent of a slot has to be fitted even if the content is as large as what was there.
             while node != ROOT {
                 node = self.parent(node);
                 let (changed, by) = self.refit(node);
@@ -207,12 +208,6 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn consider(&mut self, place: u32, gain: f32) {
-        if gain > self.best.0 {
-            self.best = (gain, Some(place));
-        }
-    }
-
     /// Considers a place and all below it.
     fn below(&mut self, place: u32, saved: f32) {
         self.visit(place, saved);
@@ -229,7 +224,9 @@ impl Search<'_> {
     fn visit(&mut self, place: u32, saved: f32) {
         let other = &self.tree.nodes[place as usize];
         let gain = saved - self.node.half_area_with(other);
-        self.consider(place, gain);
+        if gain > self.best.0 {
+            self.best = (gain, Some(place));
+        }
         if let Content::Pair(pair) = other.content() {
             let saved = gain + other.half_area();
             if saved - self.node.half_area() > self.best.0 {

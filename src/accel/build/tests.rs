@@ -43,18 +43,23 @@ fn the_tree_is_the_same_for_any_number_of_threads() {
     }
 }
 
-/// A tree over boxes in the order given, of random shape.
-fn random_tree(references: &[PrimitiveRef], random: &mut Random) -> Vec<BinaryNode> {
-    fn add(nodes: &mut Vec<BinaryNode>, node: usize, leaves: &[BinaryNode], random: &mut Random) {
+/// A tree over boxes in the order given; `split` says how many of so many go to the left.
+fn tree_of(references: &[PrimitiveRef], split: &mut dyn FnMut(usize) -> usize) -> Vec<BinaryNode> {
+    fn add(
+        nodes: &mut Vec<BinaryNode>,
+        node: usize,
+        leaves: &[BinaryNode],
+        split: &mut dyn FnMut(usize) -> usize,
+    ) {
         if let [leaf] = leaves {
             nodes[node] = *leaf;
             return;
         }
         let first = nodes.len();
         nodes.extend([BinaryNode::EMPTY; 2]);
-        let (left, right) = leaves.split_at(1 + random.below(leaves.len() - 1));
-        add(nodes, first, left, random);
-        add(nodes, first + 1, right, random);
+        let (left, right) = leaves.split_at(split(leaves.len()));
+        add(nodes, first, left, split);
+        add(nodes, first + 1, right, split);
         nodes[node] = BinaryNode::around(&[nodes[first], nodes[first + 1]], first as u32 / 2);
     }
     let leaves: Vec<_> = (0..)
@@ -62,7 +67,7 @@ fn random_tree(references: &[PrimitiveRef], random: &mut Random) -> Vec<BinaryNo
         .map(|(i, reference)| BinaryNode::new(reference.min, reference.max, Content::Leaf(i)))
         .collect();
     let mut nodes = vec![BinaryNode::EMPTY; 2];
-    add(&mut nodes, 0, &leaves, random);
+    add(&mut nodes, 0, &leaves, split);
     nodes
 }
 
@@ -124,6 +129,31 @@ fn reinsertion_lowers_the_cost_and_keeps_boxes_tight() {
         after.sort_unstable();
         assert_eq!(before, after);
     }
+}
+
+#[test]
+fn reinsertion_keeps_the_depth_bound() {
+    let triangle =
+        |x: f32, size: f32| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|p| p * size + x * Vec3::X);
+    // A chain of triangles, as deep as can be, each in the one before; and one that belongs into the last, beside
+    // many that are elsewhere.
+    let chain = (0..MAX_DEPTH).map(|i| triangle(100.0, 1.01_f32.powi(-(i as i32))));
+    let misplaced = triangle(100.0, 1.01_f32.powi(-(MAX_DEPTH as i32)));
+    let others = (0..4096).map(|i| triangle(0.0, 1e-3 * i as f32 / 4096.0));
+    let triangles: Vec<_> = chain.chain([misplaced]).chain(others).collect();
+    let mut calls = 0;
+    let mut split = |count: usize| {
+        calls += 1;
+        match calls {
+            1 => MAX_DEPTH,
+            _ if calls <= MAX_DEPTH + 1 => 1,
+            _ => count / 2,
+        }
+    };
+    let mut nodes = tree_of(&references(&triangles, &[]), &mut split);
+    let before = area_below(&nodes, 0, &mut Vec::new(), 0);
+    reinsert(&mut nodes);
+    assert!(area_below(&nodes, 0, &mut Vec::new(), 0) < before);
 }
 
 /// Every set of subtrees that together hold what is below a node.
@@ -189,7 +219,7 @@ fn the_collapse_costs_as_little_as_the_best_of_all() {
             reference.set_leaf_len(1);
         }
         let tree = BinaryTree {
-            nodes: random_tree(&references, &mut random),
+            nodes: tree_of(&references, &mut |count| 1 + random.below(count - 1)),
             references,
             first_sphere: count as u32,
         };

@@ -23,15 +23,15 @@ impl TriangleBlock {
     /// Packs one to eight of `triangles`, given by ascending numbers.
     pub(super) fn new(ids: &[u32], triangles: &[[Vec3; 3]]) -> TriangleBlock {
         let ids: [u32; WIDTH] = std::array::from_fn(|lane| ids[lane.min(ids.len() - 1)]);
-        // Sorted, so that triangles with the same vertices are at the same distance to the bit.
-        let sorted = ids.map(|id| {
-            let mut vertices = triangles[id as usize];
-            vertices.sort_unstable_by_key(|vertex| vertex.to_array().map(f32::to_bits));
-            vertices
-        });
-        let vertices = std::array::from_fn(|vertex| {
-            std::array::from_fn(|axis| sorted.map(|vertices| vertices[vertex][axis]))
-        });
+        let mut vertices = [[[0.0; WIDTH]; 3]; 3];
+        for (lane, id) in ids.into_iter().enumerate() {
+            let of_triangle = sorted(triangles[id as usize]);
+            for (vertices, vertex) in vertices.iter_mut().zip(of_triangle) {
+                for (axis, coordinate) in vertex.to_array().into_iter().enumerate() {
+                    vertices[axis][lane] = coordinate;
+                }
+            }
+        }
         TriangleBlock { vertices, ids }
     }
 
@@ -136,4 +136,20 @@ impl TriangleBlock {
         let vertex = |[x, y, z]: &[[f32; WIDTH]; 3]| Vec3::new(x[lane], y[lane], z[lane]);
         [vertex(a), vertex(b), vertex(c)]
     }
+}
+
+/// Vertices in an order that does not depend on that of a mesh, so that triangles with the same vertices are at the
+/// same distance to the bit. By a sorting network: of three, faster than a sort.
+fn sorted(mut vertices: [Vec3; 3]) -> [Vec3; 3] {
+    let key = |vertex: Vec3| {
+        let [x, y, z] = vertex.to_array().map(|c| u128::from(c.to_bits()));
+        x << 64 | y << 32 | z
+    };
+    for (i, j) in [(0, 1), (1, 2), (0, 1)] {
+        let (a, b) = (vertices[i], vertices[j]);
+        let is_ordered = key(a) <= key(b);
+        vertices[i] = if is_ordered { a } else { b };
+        vertices[j] = if is_ordered { b } else { a };
+    }
+    vertices
 }

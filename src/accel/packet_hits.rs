@@ -9,7 +9,7 @@ use super::single_ray::SingleRay;
 use super::stack::Stack;
 use super::traverse_single::traverse;
 use super::triangle_block::TriangleBlock;
-use super::triangle_planes::{TrianglePlanes, clamp_to_box};
+use super::triangle_planes::TrianglePlanes;
 use crate::geometry::{Hit, Sphere};
 use crate::simd::{Doubles, Floats, PACKET_WIDTH, Scalar, SetBits, Simd};
 
@@ -24,10 +24,7 @@ pub(super) struct PacketHits {
 
 impl PacketHits {
     #[inline(always)]
-    pub(super) fn new<const ANY_HIT: bool>(
-        active: u32,
-        t_max: &[f32; PACKET_WIDTH],
-    ) -> PacketHits {
+    pub(super) fn new<const ANY_HIT: bool>(active: u32, t_max: &[f32; PACKET_WIDTH]) -> PacketHits {
         let mut hits = PacketHits {
             distances: [Hit::MISS.t; PACKET_WIDTH],
             primitives: [Hit::MISS.primitive; PACKET_WIDTH],
@@ -148,17 +145,12 @@ impl PacketHits {
             let plane = TrianglePlanes::through(vertices);
             for half in [0, 1] {
                 let passed = passed >> (half * WIDTH) & 0xff;
-                if passed == 0 { continue; }
-                let (mut t, inside) = rays.intersect_plane(&plane, half);
-                if passed & !inside != 0 {
-                    let mut distances = t.store();
-                    for lane in SetBits(passed & !inside) {
-                        let (ray, vertices) = (rays.packet.ray(half * WIDTH + lane), block.triangle(triangle));
-                        distances[lane] = clamp_to_box(&ray, vertices, distances[lane]);
-                    }
-                    t = S::F64x8::load(&distances);
+                if passed == 0 {
+                    continue;
                 }
-                let accepted = passed & self.accepted::<S, ANY_HIT>(rays.packet, half, t, primitive);
+                let t = rays.distances(&plane, block.triangle(triangle), half, passed);
+                let accepted =
+                    passed & self.accepted::<S, ANY_HIT>(rays.packet, half, t, primitive);
                 let distances = t.store();
                 for lane in SetBits(accepted) {
                     let (t, lane) = (distances[lane], half * WIDTH + lane);
@@ -174,7 +166,13 @@ impl PacketHits {
     /// As [`accept_hit`], for half of a packet: the mask of rays whose query accepts a primitive at `t` but for what
     /// they exclude.
     #[inline(always)]
-    fn accepted<S: Simd, const ANY_HIT: bool>(&self, packet: &RayPacket, half: usize, t: S::F64x8, primitive: u32) -> u32 {
+    fn accepted<S: Simd, const ANY_HIT: bool>(
+        &self,
+        packet: &RayPacket,
+        half: usize,
+        t: S::F64x8,
+        primitive: u32,
+    ) -> u32 {
         let positive = S::F64x8::splat(0.0).lt(t);
         if ANY_HIT {
             let t_max = S::F64x8::widen(S::F32x8::load(&packet.t_max.as_chunks().0[half]));
@@ -182,15 +180,13 @@ impl PacketHits {
         }
         let best = S::F64x8::load(&self.distances.as_chunks().0[half]);
         let (rounded, best_rounded) = (t.round_for_order(), best.round_for_order());
-        let before = rounded.lt(best_rounded);
-        let mut same = rounded.le(best_rounded) & !before & positive;
-        let mut lower = 0;
-        while same != 0 {
-            let lane = same.trailing_zeros() as usize % WIDTH;
-            same &= same - 1;
-            lower |= u32::from(primitive < self.primitives[half * WIDTH + lane]) << lane;
+        let mut accepted = rounded.lt(best_rounded);
+        let same = rounded.le(best_rounded) & !accepted;
+        for lane in SetBits(same & positive) {
+            let is_lower = primitive < self.primitives[half * WIDTH + lane];
+            accepted |= u32::from(is_lower) << lane;
         }
-        positive & (before | lower)
+        accepted & positive
     }
 
     /// As [`PacketHits::intersect_block`], with all triangles, one ray after the other.

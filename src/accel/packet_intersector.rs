@@ -3,11 +3,12 @@
 use super::constants::WIDTH;
 use super::ray_packet::RayPacket;
 use super::ray_setup::RaySetup;
-use super::rounding::triangle_padding;
-use super::triangle_planes::TrianglePlanes;
+use super::rounding::TRIANGLE_PADDING;
+use super::triangle_planes::{TrianglePlanes, clamp_to_box};
 use super::watertight::ShearedRays;
 use crate::geometry::Sphere;
-use crate::simd::{Doubles, Floats, PACKET_WIDTH, ScalarDouble, Simd};
+use crate::simd::{Doubles, Floats, PACKET_WIDTH, ScalarDouble, SetBits, Simd};
+use glam::Vec3;
 
 /// What triangle and sphere tests need of a packet whose rays share the permutation of their axes.
 pub(super) struct PacketIntersector<'a, S: Simd> {
@@ -31,22 +32,41 @@ impl<S: Simd> PacketIntersector<'_, S> {
         }
     }
 
-    /// Where half of the rays meet the triangle's plane, and the mask of those that are there inside the
-    /// triangle's box.
+    /// The distances at which half of the rays hit a triangle, of those that [`ShearedRays::intersect`] lets pass:
+    /// as [`TriangleBlock::intersect`](super::triangle_block::TriangleBlock::intersect) finds them.
     #[inline(always)]
-    pub(super) fn intersect_plane(
+    pub(super) fn distances(
         &self,
-        triangle: &TrianglePlanes<ScalarDouble>,
+        plane: &TrianglePlanes<ScalarDouble>,
+        vertices: [Vec3; 3],
         half: usize,
-    ) -> (S::F64x8, u32) {
+        passed: u32,
+    ) -> S::F64x8 {
         let ([ox, oy, oz], [dx, dy, dz]) = (&self.packet.origin, &self.packet.direction);
-        let (origin, direction) = (
-            [load::<S>(ox, half), load::<S>(oy, half), load::<S>(oz, half)],
-            [load::<S>(dx, half), load::<S>(dy, half), load::<S>(dz, half)],
-        );
-        let (t, outside) = triangle.splat::<S::F64x8, WIDTH>().intersect(origin, direction);
+        let origin = [
+            load::<S>(ox, half),
+            load::<S>(oy, half),
+            load::<S>(oz, half),
+        ];
+        let direction = [
+            load::<S>(dx, half),
+            load::<S>(dy, half),
+            load::<S>(dz, half),
+        ];
+        let (t, outside) = plane.splat().intersect(origin, direction);
         let magnitude = load::<S>(&self.setup.origin_magnitude, half);
-        (t, outside.le(magnitude.mul(S::F64x8::splat(triangle_padding(1.0)))))
+        let padding = magnitude.mul(S::F64x8::splat(TRIANGLE_PADDING));
+        // Not where that is NaN.
+        let unsure = passed & !outside.le(padding);
+        if unsure == 0 {
+            return t;
+        }
+        let mut distances = t.store();
+        for lane in SetBits(unsure) {
+            let ray = self.packet.ray(half * WIDTH + lane);
+            distances[lane] = clamp_to_box(&ray, vertices, distances[lane]);
+        }
+        S::F64x8::load(&distances)
     }
 
     /// The mask of rays whose lines pass through the sphere.

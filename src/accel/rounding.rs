@@ -3,7 +3,7 @@
 //! They are relative to the coordinates of the ray's origin and of the shape itself: the size of the rest of
 //! the scene does not count.
 
-use crate::math::{Aabb, Ray};
+use crate::math::Aabb;
 
 /// Boxes are padded by this, relative to the largest coordinates of ray and box: more than triangles are
 /// ([`TRIANGLE_PADDING`]), by at least twice the rounding of the box test itself (three operations for each
@@ -16,19 +16,7 @@ pub(super) const BOX_PADDING: f32 = 16.0 * f32::EPSILON;
 ///
 /// Rounding may move a vertex, in the ray's space, by 3 epsilon, and an edge by as much as 2 more. The edges
 /// of distant slivers may move much farther, but that opens no gap: it is a miss.
-const TRIANGLE_PADDING: f64 = 8.0 * f32::EPSILON as f64;
-
-/// [`TRIANGLE_PADDING`] for a given largest coordinate.
-#[inline(always)]
-pub(super) fn triangle_padding(magnitude: f64) -> f64 {
-    TRIANGLE_PADDING * magnitude
-}
-
-/// The largest absolute coordinate of a ray's origin.
-#[inline(always)]
-pub(super) fn origin_magnitude(ray: &Ray) -> f32 {
-    ray.origin.abs().max_element()
-}
+pub(super) const TRIANGLE_PADDING: f64 = 8.0 * f32::EPSILON as f64;
 
 /// A box, padded relative to its own coordinates; the empty one stays empty.
 pub(super) fn padded(bounds: Aabb) -> Aabb {

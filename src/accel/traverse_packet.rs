@@ -13,8 +13,8 @@ use super::packet_intersector::PacketIntersector;
 use super::packet_interval::PacketInterval;
 use super::query_state::QueryState;
 use super::ray_packet::RayPacket;
-use super::traverse_shared::occluded_shared;
 use super::stack::PacketStack;
+use super::traverse_shared::{MIN_RAYS, occluded_shared};
 use crate::math::Ray;
 use crate::simd::{Floats, PACKET_WIDTH, Simd, WithSimd};
 
@@ -24,9 +24,9 @@ const MIN_RAYS_FOR_PACKET_TRIANGLES: u32 = 3;
 /// How the rays of a packet are traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Coherence {
-    /// Together, if they turn out to be coherent enough.
+    /// Together if they have one octant and one major axis.
     Coherent,
-    /// One by one where there is a tree.
+    /// Each alone where there is a tree, shadow rays from below its top on.
     Incoherent,
 }
 
@@ -63,7 +63,7 @@ impl<const ANY_HIT: bool> WithSimd for TraversePacket<'_, ANY_HIT> {
             test_all::<S, ANY_HIT>(bvh, &rays, hits);
         } else if is_coherent && setup.is_one_major_axis() {
             traverse_coherent::<S, ANY_HIT>(bvh, &rays, &mut query_state.packet_stack, hits);
-        } else if ANY_HIT && packet.active.count_ones() > 8 {
+        } else if ANY_HIT && packet.active.count_ones() >= MIN_RAYS {
             occluded_shared::<S>(bvh, &rays, &mut query_state.stack, hits);
         } else {
             let stack = &mut query_state.stack;
@@ -108,7 +108,11 @@ impl WithSimd for ClosestOfRays<'_> {
 
 /// Without a tree.
 #[inline(always)]
-fn test_all<S: Simd, const ANY_HIT: bool>(bvh: &Bvh, rays: &PacketIntersector<S>, hits: &mut PacketHits) {
+fn test_all<S: Simd, const ANY_HIT: bool>(
+    bvh: &Bvh,
+    rays: &PacketIntersector<S>,
+    hits: &mut PacketHits,
+) {
     let active = rays.packet.active;
     for (sphere, primitive) in bvh.spheres.iter().zip(bvh.first_sphere..) {
         hits.intersect_sphere::<S, ANY_HIT>(sphere, primitive, rays, active);
@@ -181,4 +185,3 @@ fn traverse_coherent<S: Simd, const ANY_HIT: bool>(
         }
     }
 }
-

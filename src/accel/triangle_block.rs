@@ -2,7 +2,7 @@
 
 use super::constants::WIDTH;
 use super::hit_filter::{DISTANCE_PADDING, accept_hit};
-use super::rounding::{BOX_PADDING, triangle_padding};
+use super::rounding::{BOX_PADDING, TRIANGLE_PADDING};
 use super::single_ray::SingleRay;
 use super::triangle_planes::{TrianglePlanes, clamp_to_box};
 use crate::geometry::Hit;
@@ -53,7 +53,11 @@ impl TriangleBlock {
         ray: &SingleRay<S>,
         best: &mut Hit,
     ) -> bool {
-        let limit = if ANY_HIT { ray.ray.t_max } else { best.t as f32 };
+        let limit = if ANY_HIT {
+            ray.ray.t_max
+        } else {
+            best.t as f32
+        };
         let limit = S::F32x8::splat(limit * DISTANCE_PADDING + ray.depth_error);
         let vertices = self.load_vertices::<S::F32x8>(ray.axes);
         let passed = ray.sheared.intersect(&vertices, limit);
@@ -66,12 +70,16 @@ impl TriangleBlock {
         let origin = [splat(o.x.into()), splat(o.y.into()), splat(o.z.into())];
         let direction = [splat(d.x.into()), splat(d.y.into()), splat(d.z.into())];
         let (distances, outside) = planes.intersect(origin, direction);
-        let padding = triangle_padding(ray.origin_magnitude.into());
+        let padding = TRIANGLE_PADDING * f64::from(ray.origin_magnitude);
         // Not where that is NaN. Mostly all, and then the triangles' own magnitudes are not needed.
-        let inside = passed & outside.le(S::F64x8::splat(padding));
+        let inside = outside.le(S::F64x8::splat(padding));
         let mut distances = distances.store();
         for lane in SetBits(passed & !inside) {
-            distances[lane % WIDTH] = clamp_to_box(ray.ray, self.triangle(lane % WIDTH), distances[lane % WIDTH]);
+            distances[lane % WIDTH] = clamp_to_box(
+                ray.ray,
+                self.triangle(lane % WIDTH),
+                distances[lane % WIDTH],
+            );
         }
         for lane in SetBits(passed) {
             let lane = lane % WIDTH;

@@ -1,7 +1,7 @@
 //! Where lines meet the planes of triangles: in double precision, where the rounding of a few operations on
 //! single-precision vertices is negligible.
 
-use super::rounding::triangle_padding;
+use super::rounding::TRIANGLE_PADDING;
 use crate::math::Ray;
 use crate::simd::{Doubles, Floats};
 use glam::Vec3;
@@ -66,7 +66,10 @@ impl<D> TrianglePlanes<D> {
     {
         let ([nx, ny, nz], [px, py, pz]) = (self.normal, self.point);
         let ([ox, oy, oz], [dx, dy, dz]) = (origin, direction);
-        let above = nx.mul(px.sub(ox)).add(ny.mul(py.sub(oy))).add(nz.mul(pz.sub(oz)));
+        let above = nx
+            .mul(px.sub(ox))
+            .add(ny.mul(py.sub(oy)))
+            .add(nz.mul(pz.sub(oz)));
         let t = above.div(nx.mul(dx).add(ny.mul(dy)).add(nz.mul(dz)));
         let x = self.outside(0, ox.add(t.mul(dx)));
         let y = self.outside(1, oy.add(t.mul(dy)));
@@ -109,7 +112,7 @@ pub(super) fn clamp_to_box(ray: &Ray, vertices: [Vec3; 3], t: f64) -> f64 {
     let [a, b, c] = vertices;
     let (min, max) = (a.min(b).min(c), a.max(b).max(c));
     let magnitude = f64::from(max.max(-min).max_element());
-    let padding = triangle_padding(f64::from(ray.origin.abs().max_element()) + magnitude);
+    let padding = TRIANGLE_PADDING * (f64::from(ray.origin.abs().max_element()) + magnitude);
     let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let (min, max) = (min.as_dvec3(), max.as_dvec3());
     let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -125,5 +128,53 @@ pub(super) fn clamp_to_box(ray: &Ray, vertices: [Vec3; 3], t: f64) -> f64 {
         t.clamp(near, far)
     } else {
         f64::NAN
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::{Scalar, ScalarDouble};
+
+    const VERTICES: [Vec3; 3] = [
+        Vec3::new(1.0, 0.0, 0.0),
+        Vec3::new(5.0, 0.0, 0.0),
+        Vec3::new(1.0, 2.0, 0.0),
+    ];
+
+    /// As the queries do: clamped where the point is more than 1e-6 outside.
+    fn distance(origin: Vec3, direction: Vec3) -> f64 {
+        let vertices = VERTICES.map(|v| v.to_array().map(Scalar::splat));
+        let line = |v: Vec3| v.to_array().map(|x| ScalarDouble::splat(x.into()));
+        let planes = TrianglePlanes::<ScalarDouble>::through(vertices);
+        let (t, outside) = planes.intersect(line(origin), line(direction));
+        let ([t], [outside]) = (t.store(), outside.store());
+        if outside <= 1e-6 {
+            t
+        } else {
+            clamp_to_box(&Ray::new(origin, direction), VERTICES, t)
+        }
+    }
+
+    #[test]
+    fn distance_to_the_plane_in_lengths_of_the_direction() {
+        let down = Vec3::new(0.0, 0.0, -0.5);
+        assert_eq!(distance(Vec3::new(2.0, 0.5, 3.0), down), 6.0);
+        assert_eq!(distance(Vec3::new(2.0, 0.5, -3.0), down), -6.0);
+        assert!(distance(Vec3::new(2.0, 0.5, 0.0), Vec3::X).is_nan());
+    }
+
+    #[test]
+    fn only_lines_through_the_box_meet_the_triangle() {
+        let down = Vec3::new(0.0, 0.0, -0.5);
+        assert!(distance(Vec3::new(0.9, 0.5, 3.0), down).is_nan());
+        assert!(distance(Vec3::new(2.0, 2.1, 3.0), down).is_nan());
+        // On the side of the box.
+        assert_eq!(distance(Vec3::new(1.0, 0.5, 3.0), down), 6.0);
+        // Past the vertex at (5, 0, 0), in the box all the same; and so steep that the plane is met
+        // only far behind it: there it leaves the grown box.
+        assert_eq!(distance(Vec3::new(5.0, 2.0, 3.0), down), 6.0);
+        let steep = distance(Vec3::new(0.0, 0.5, 5e-7), Vec3::new(1.0, 0.0, -1e-9));
+        assert!((steep - 5.0).abs() < 1e-5, "{steep}");
     }
 }

@@ -17,4 +17,4 @@ pub use mesh::{Mesh, VertexIndices};
 pub use polygon::{fan, triangulate};
 pub use sphere::Sphere;
 pub use transform::Transform;
-pub use triangle::{TrianglePlane, distance_to_triangle};
+pub use triangle::distance_to_triangle;

@@ -163,6 +163,17 @@ fn check_scene(random: &mut Numbers) {
     }
 }
 
+/// Rays that end before, at and behind their hits.
+fn ending_around(rays: &[Ray], hits: &[Option<Hit>]) -> Vec<Ray> {
+    (0..)
+        .zip(rays.iter().zip(hits))
+        .map(|(i, (ray, hit))| Ray {
+            t_max: hit.map_or(1e30, |h| h.t as f32) * [0.5, 1.0, 2.0][i % 3],
+            ..*ray
+        })
+        .collect()
+}
+
 /// Whether each ray is occluded, by packets of rays as they come.
 fn occluded_in_packets(bvh: &Bvh, rays: &[Ray], query_state: &mut QueryState) -> Vec<bool> {
     let of_packet = |rays: &[Ray]| {
@@ -177,10 +188,20 @@ pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
     let mut query_state = QueryState::default();
     let mut hits = vec![None; rays.len()];
     bvh.closest_incoherent(rays, &mut hits, &mut query_state);
-    let occluded = occluded_in_packets(bvh, rays, &mut query_state);
-    for ((ray, hit), occluded) in rays.iter().zip(hits).zip(occluded) {
-        assert_eq!(hit, bvh.closest(ray, &mut query_state), "{ray:?}");
-        assert_eq!(occluded, bvh.occluded(ray, &mut query_state), "{ray:?}");
+    for (ray, hit) in rays.iter().zip(&hits) {
+        assert_eq!(*hit, bvh.closest(ray, &mut query_state), "{ray:?}");
+    }
+    let shadow_rays = ending_around(rays, &hits);
+    let occluded = occluded_in_packets(bvh, &shadow_rays, &mut query_state);
+    let packets: Vec<RayPacket> = shadow_rays
+        .chunks(PACKET_WIDTH)
+        .map(RayPacket::new)
+        .collect();
+    let masks = bvh.occluded_incoherent(packets.iter(), &mut query_state);
+    for (i, (ray, occluded)) in shadow_rays.iter().zip(occluded).enumerate() {
+        let incoherent = masks[i / PACKET_WIDTH] >> (i % PACKET_WIDTH) & 1 != 0;
+        let alone = bvh.occluded(ray, &mut query_state);
+        assert_eq!([occluded, incoherent], [alone; 2], "{ray:?}");
     }
     let beside = |ray: &Ray, i: usize| {
         let turned = ray.direction + ray.direction.yzx() * (i as f32 * 1e-3);
@@ -197,13 +218,7 @@ pub(super) fn check_packets(bvh: &Bvh, rays: &[Ray]) {
         for (ray, hit) in rays.iter().zip(&hits) {
             assert_eq!(*hit, bvh.closest(ray, &mut query_state), "{ray:?}");
         }
-        let shadow_rays: Vec<Ray> = (0..)
-            .zip(rays.iter().zip(&hits))
-            .map(|(i, (ray, hit))| Ray {
-                t_max: hit.map_or(1e30, |h| h.t as f32) * [0.5, 1.0, 2.0][i % 3],
-                ..*ray
-            })
-            .collect();
+        let shadow_rays = ending_around(rays, &hits);
         let occluded = occluded_in_packets(bvh, &shadow_rays, &mut query_state);
         for (ray, occluded) in shadow_rays.iter().zip(occluded) {
             assert_eq!(occluded, bvh.occluded(ray, &mut query_state), "{ray:?}");

@@ -1,5 +1,5 @@
-//! Box tests of a packet: for each ray, and for the packet as a whole by interval arithmetic (Boulos et al.
-//! 2006, "Geometric and Arithmetic Culling Methods for Entire Ray Packets").
+//! Box tests of a packet as a whole, by interval arithmetic (Boulos et al. 2006, "Geometric and Arithmetic Culling
+//! Methods for Entire Ray Packets").
 
 use super::constants::WIDTH;
 use super::ray_packet::RayPacket;
@@ -7,8 +7,7 @@ use super::ray_setup::RaySetup;
 use super::rounding::BOX_PADDING;
 use crate::simd::{Floats, PACKET_WIDTH};
 
-/// What box tests need of rays whose directions lie in one octant: each ray, and the intervals of origins
-/// and reciprocal directions of all.
+/// Rays whose directions lie in one octant: the intervals of their origins and reciprocal directions.
 pub(super) struct PacketInterval {
     /// Whether the rays descend: they enter boxes through their upper planes.
     down: [bool; 3],
@@ -55,8 +54,7 @@ impl PacketInterval {
         interval
     }
 
-    /// As [`Node::intersect_boxes`], for the packet as a whole: bounds of where the first ray enters each
-    /// box, and of where the last one leaves it.
+    /// Bounds of where the first ray enters each of eight boxes, and of where the last one leaves it.
     #[inline(always)]
     pub(super) fn intersect_boxes<W: Floats<WIDTH>>(
         &self,
@@ -65,13 +63,13 @@ impl PacketInterval {
     ) -> (W, W) {
         let mut near = W::splat(0.0);
         let mut far = W::splat(max_limit);
-        for axis in 0..3 {
+        for (axis, [lower, upper]) in planes.iter().enumerate() {
             let min = W::splat(self.min_inverse[axis]);
             let max = W::splat(self.max_inverse[axis]);
-            let [mut entry, mut exit] = planes[axis];
-            if self.down[axis] {
-                (entry, exit) = (exit, entry);
-            }
+            let (entry, exit) = match self.down[axis] {
+                false => (lower, upper),
+                true => (upper, lower),
+            };
             let entry = entry.sub(W::splat(self.last_origin[axis]));
             let exit = exit.sub(W::splat(self.first_origin[axis]));
             near = entry.mul(min).min(entry.mul(max)).max(near);

@@ -13,7 +13,7 @@ const STACK_SIZE: usize = 1024;
 const _: () = assert!(STACK_SIZE > 7 * MAX_DEPTH && STACK_SIZE.is_power_of_two());
 
 #[inline(always)]
-fn pack(near: f32, child: u32) -> u64 {
+pub(super) fn pack(near: f32, child: u32) -> u64 {
     u64::from(near.to_bits()) << 32 | u64::from(child)
 }
 
@@ -107,10 +107,13 @@ impl Stack {
     }
 }
 
-/// The children that a packet has still to visit, with the mask of the rays that enter each.
+/// A child with the mask of the rays that enter it.
+pub(super) type PacketEntry = (u64, u32);
+
+/// The children that a packet has still to visit.
 #[derive(Debug)]
 pub(super) struct PacketStack {
-    entries: Box<[(u64, u32); STACK_SIZE]>,
+    entries: Box<[PacketEntry; STACK_SIZE]>,
     len: usize,
 }
 
@@ -132,17 +135,26 @@ impl PacketStack {
         self.len
     }
 
-    /// Inserts a child below all entries from `first` on that are nearer.
+    /// Pushes the farther of two children below all entries from `first` on that are nearer; returns the nearer.
     #[inline(always)]
-    pub(super) fn insert(&mut self, first: usize, near: f32, child: u32, rays: u32) {
-        let key = pack(near, child);
+    pub(super) fn push_farther(
+        &mut self,
+        first: usize,
+        nearest: PacketEntry,
+        other: PacketEntry,
+    ) -> PacketEntry {
+        let (nearest, other) = match other.0 < nearest.0 {
+            true => (other, nearest),
+            false => (nearest, other),
+        };
         let mut place = self.len;
-        while place > first && self.entries[(place - 1) % STACK_SIZE].0 < key {
+        while place > first && self.entries[(place - 1) % STACK_SIZE].0 < other.0 {
             self.entries[place % STACK_SIZE] = self.entries[(place - 1) % STACK_SIZE];
             place -= 1;
         }
-        self.entries[place % STACK_SIZE] = (key, rays);
+        self.entries[place % STACK_SIZE] = other;
         self.len += 1;
+        nearest
     }
 
     /// The nearest distance, the child and the mask of rays.

@@ -13,7 +13,7 @@ use super::packet_intersector::PacketIntersector;
 use super::packet_interval::PacketInterval;
 use super::query_state::QueryState;
 use super::ray_packet::RayPacket;
-use super::stack::PacketStack;
+use super::stack::{PacketStack, pack};
 use super::traverse_shared::{MIN_RAYS, occluded_shared};
 use crate::math::Ray;
 use crate::simd::{Floats, PACKET_WIDTH, Simd, WithSimd};
@@ -144,14 +144,22 @@ fn traverse_coherent<S: Simd, const ANY_HIT: bool>(
                 let mut entered = near.le(far);
                 let near = near.store();
                 let limits = S::F32x16::load(&hits.limits);
-                let first = stack.len();
+                let (first, mut nearest) = (stack.len(), None);
                 while entered != 0 {
                     let lane = entered.trailing_zeros() as usize;
                     entered &= entered - 1;
                     let entering = active & boxes.intersect_child(node, lane, limits);
                     if entering != 0 {
-                        stack.insert(first, near[lane], node.children[lane], entering);
+                        let entry = (pack(near[lane], node.children[lane]), entering);
+                        nearest = match nearest {
+                            None => Some(entry),
+                            Some(nearest) => Some(stack.push_farther(first, nearest, entry)),
+                        };
                     }
+                }
+                if let Some((key, entering)) = nearest {
+                    (next, active) = (key as u32, entering);
+                    continue;
                 }
             }
             Child::Triangles(index) => {

@@ -65,7 +65,7 @@ impl<V> ShearedRays<V> {
     ///
     /// The edge functions of neighbours are exact negatives of each other, so a line cannot pass between
     /// them. Zero counts as inside. The method's distance is only as good as the largest coordinate of the
-    /// triangle, so that is left to [`TrianglePlane`](crate::geometry::TrianglePlane).
+    /// triangle, so that is left to [`TrianglePlanes`](super::triangle_planes::TrianglePlanes).
     #[inline(always)]
     pub(super) fn intersect<const N: usize>(&self, vertices: &[[V; 3]; 3], limit: V) -> u32
     where

@@ -155,8 +155,12 @@ fn check_scene(random: &mut Numbers) {
         .map(|ray| brute.closest(ray, &mut query_state))
         .collect();
     for kernel in Kernel::available() {
-        let bvh = Bvh::new(&triangles, spheres.clone(), kernel);
+        let mut bvh = Bvh::new(&triangles, spheres.clone(), kernel);
         check_packets(&bvh, &rays);
+        bvh.exceeds_caches = true;
+        let mut hits = vec![None; rays.len()];
+        bvh.closest_incoherent(&rays, &mut hits, &mut query_state);
+        assert_eq!(hits, expected, "in turn");
         for (ray, expected) in rays.iter().zip(&expected) {
             assert_eq!(bvh.closest(ray, &mut query_state), *expected, "{ray:?}");
         }

@@ -36,8 +36,8 @@
 //! Mispredictions are most of an incoherent ray's time: how many boxes it enters, in which order, and which triangles
 //! pass. They cannot be removed (below), only the visits that cause them. A packet of camera rays spends over half of
 //! its time on triangles, a third of that on exact distances, which no peer computes: with AVX-512 that leaves it at
-//! 0.93 to 0.96 of Embree's packets of sixteen. Beyond the caches, from 10^6 triangles on, random rays wait for memory:
-//! eight dependent misses of 0.1 us at 10^7 triangles (`cargo bench --bench growth`).
+//! 0.93 to 0.96 of Embree's packets of sixteen. Beyond the caches random rays wait for memory, from 10^6
+//! triangles on; scattered rays in the largest trees take turns (`traverse_interleaved`, `cargo bench --bench growth`).
 //!
 //! # Tried, and no faster
 //!
@@ -51,10 +51,10 @@
 //! * Rays after a bounce sorted by direction in windows of 256 to 65,536: diffuse rays +1 to -28 %, shadow rays 0 to
 //!   +13 % up to 4,096, for 30 ns a ray of sorting.
 //! * Prefetching what is pushed: random rays +9 to +14 % at 10^7 triangles, all others -5 %. Huge pages: nothing.
+//!   Rays in turn where the tree fits in the caches: -20 to -25 %.
 //! * Boxes in a fixed order per octant, without any branch.
 //! * Children pushed without a branch: a third slower, as the next box waits for the last.
 //! * A sorting network in registers; distances in single precision with error bounds.
-//! * 8 or 16 interleaved rays.
 //! * Nodes and blocks of sixteen in AVX-512: -4 to +8 %.
 //! * Spatial splits: diffuse rays in Sponza 1.25 times as fast, in two other scenes no faster, for a build that
 //!   takes two to ten times as long.
@@ -78,6 +78,7 @@ mod ray_setup;
 mod rounding;
 mod single_ray;
 mod stack;
+mod traverse_interleaved;
 mod traverse_packet;
 mod traverse_shared;
 mod traverse_single;

@@ -7,6 +7,8 @@ use super::stack::{PacketStack, Stack};
 pub struct QueryState {
     pub(super) stack: Stack,
     pub(super) packet_stack: PacketStack,
+    /// None until rays take turns.
+    pub(super) interleaved_stacks: Vec<Stack>,
     /// How many queries have been answered.
     pub rays: u64,
 }

@@ -105,6 +105,17 @@ impl Stack {
         self.len -= 1;
         Some(unpack(self.entries[self.len % STACK_SIZE]))
     }
+
+    /// The next child that the ray enters no farther than `limit`.
+    #[inline(always)]
+    pub(super) fn pop_within(&mut self, limit: f32) -> Option<u32> {
+        loop {
+            let (near, child) = self.pop()?;
+            if near <= limit {
+                return Some(child);
+            }
+        }
+    }
 }
 
 /// A child with the mask of the rays that enter it.

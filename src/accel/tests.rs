@@ -16,9 +16,11 @@ use glam::Vec3;
 
 fn check(triangles: &[[Vec3; 3]], spheres: &[Sphere], rays: &[Ray]) {
     for kernel in Kernel::available() {
-        let bvh = Bvh::new(triangles, spheres.to_vec(), kernel);
+        let mut bvh = Bvh::new(triangles, spheres.to_vec(), kernel);
         assert_eq!(bvh.validate(), Ok(()));
         let mut query_state = QueryState::default();
+        check_packets(&bvh, rays);
+        bvh.exceeds_caches = true;
         check_packets(&bvh, rays);
         for ray in rays {
             let hit = bvh.closest(ray, &mut query_state);

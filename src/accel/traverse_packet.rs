@@ -14,6 +14,7 @@ use super::packet_interval::PacketInterval;
 use super::query_state::QueryState;
 use super::ray_packet::RayPacket;
 use super::stack::{PacketStack, pack};
+use super::traverse_interleaved::{closest_interleaved, pays as interleaving_pays};
 use super::traverse_shared::{MIN_RAYS, occluded_shared};
 use crate::math::Ray;
 use crate::simd::{Floats, PACKET_WIDTH, Simd, WithSimd};
@@ -65,6 +66,8 @@ impl<const ANY_HIT: bool> WithSimd for TraversePacket<'_, ANY_HIT> {
             traverse_coherent::<S, ANY_HIT>(bvh, &rays, &mut query_state.packet_stack, hits);
         } else if ANY_HIT && packet.active.count_ones() >= MIN_RAYS {
             occluded_shared::<S>(bvh, &rays, &mut query_state.stack, hits);
+        } else if !ANY_HIT && interleaving_pays(bvh, &rays) {
+            closest_interleaved::<S>(bvh, &rays, &mut query_state.interleaved_stacks, hits);
         } else {
             let stack = &mut query_state.stack;
             hits.traverse_by_ray::<S, ANY_HIT>(bvh, ROOT, &rays, packet.active, stack);

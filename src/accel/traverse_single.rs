@@ -110,12 +110,10 @@ pub(super) fn traverse<S: Simd, const ANY_HIT: bool>(
                 }
             }
         }
-        next = loop {
-            match stack.pop() {
-                None => return,
-                Some((near, child)) if ANY_HIT || near <= limit => break child,
-                _ => {}
-            }
-        };
+        // Children of a query for any hit are pushed without their distances: as 0.
+        match stack.pop_within(limit) {
+            Some(child) => next = child,
+            None => return,
+        }
     }
 }

@@ -39,6 +39,10 @@ pub(crate) trait Simd {
 
     /// The lanes of `low`, then those of `high`.
     fn join(low: Self::F32x8, high: Self::F32x8) -> Self::F32x16;
+
+    /// Asks for a value that will be read soon; where there is no instruction for that, nothing.
+    #[inline(always)]
+    fn prefetch<T>(_value: &T) {}
 }
 
 /// A computation that is written once and compiled for every instruction set.
@@ -129,7 +133,7 @@ impl Simd for Portable {
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     use super::super::pair::Avx2FloatsPair;
-    use super::super::x86_64::Avx2Floats;
+    use super::super::x86_64::{Avx2Floats, prefetch};
     use super::super::x86_64_doubles::Avx2Doubles;
     use super::{Simd, WithSimd};
 
@@ -149,6 +153,11 @@ mod avx2 {
         fn join(low: Avx2Floats, high: Avx2Floats) -> Avx2FloatsPair {
             Avx2FloatsPair::join(low, high)
         }
+
+        #[inline(always)]
+        fn prefetch<T>(value: &T) {
+            prefetch(value);
+        }
     }
 
     #[target_feature(enable = "avx2,fma,bmi1,lzcnt,popcnt")]
@@ -159,7 +168,7 @@ mod avx2 {
 
 #[cfg(target_arch = "x86_64")]
 mod avx512 {
-    use super::super::x86_64::{Avx2Floats, Avx512Floats};
+    use super::super::x86_64::{Avx2Floats, Avx512Floats, prefetch};
     use super::super::x86_64_doubles::Avx512Doubles;
     use super::{Simd, WithSimd};
 
@@ -178,6 +187,11 @@ mod avx512 {
         #[inline(always)]
         fn join(low: Avx2Floats, high: Avx2Floats) -> Avx512Floats {
             Avx512Floats::join(low, high)
+        }
+
+        #[inline(always)]
+        fn prefetch<T>(value: &T) {
+            prefetch(value);
         }
     }
 

@@ -222,3 +222,13 @@ impl Avx512Floats {
         Avx512Floats(unsafe { _mm512_insertf32x8::<1>(_mm512_castps256_ps512(low.0), high.0) })
     }
 }
+
+/// Asks for all cache lines of a value.
+#[inline(always)]
+pub(super) fn prefetch<T>(value: &T) {
+    let first = std::ptr::from_ref(value).cast::<i8>();
+    for line in 0..size_of::<T>().div_ceil(64) {
+        // SAFETY: the instruction is present on every x86-64 processor, and reads nothing.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(64 * line)) };
+    }
+}

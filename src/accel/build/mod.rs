@@ -57,7 +57,9 @@ impl Bvh {
             bounds,
             magnitude: bounds.max.max(-bounds.min).max_element().max(0.0),
             kernel,
+            exceeds_caches: false,
         }
+        .measured()
     }
 }
 

@@ -42,8 +42,13 @@ impl Texture {
     pub fn sample(&self, uv: Vec2) -> Vec3 {
         let (x0, x1, fx) = neighbours(uv.x, self.width);
         let (y0, y1, fy) = neighbours(-uv.y, self.height);
-        let top = self.texel(x0, y0).lerp(self.texel(x1, y0), fx);
-        let bottom = self.texel(x0, y1).lerp(self.texel(x1, y1), fx);
+        let table = &*LINEAR_OF_CODE;
+        let texel = |x: usize, y: usize| {
+            let [r, g, b] = self.texels[y * self.width + x];
+            Vec3::new(table[r as usize], table[g as usize], table[b as usize])
+        };
+        let top = texel(x0, y0).lerp(texel(x1, y0), fx);
+        let bottom = texel(x0, y1).lerp(texel(x1, y1), fx);
         top.lerp(bottom, fy)
     }
 
@@ -55,12 +60,6 @@ impl Texture {
             .map(|texel| texel.map(|code| LINEAR_OF_CODE[code as usize]));
         let sum: DVec3 = colors.map(|color| Vec3::from_array(color).as_dvec3()).sum();
         sum / self.texels.len() as f64
-    }
-
-    fn texel(&self, x: usize, y: usize) -> Vec3 {
-        let table = &*LINEAR_OF_CODE;
-        let [r, g, b] = self.texels[y * self.width + x];
-        Vec3::new(table[r as usize], table[g as usize], table[b as usize])
     }
 }
 

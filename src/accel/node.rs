@@ -151,7 +151,9 @@ impl<V: Floats<WIDTH>> BoxRay<V> {
     #[inline(always)]
     pub(super) fn splat<const RAYS: usize>(setup: &RaySetup<RAYS>, lane: usize) -> BoxRay<V> {
         let lane = lane % RAYS;
-        let splat = |[x, y, z]: &[[f32; RAYS]; 3]| [V::splat(x[lane]), V::splat(y[lane]), V::splat(z[lane])];
+        let splat = |[x, y, z]: &[[f32; RAYS]; 3]| {
+            [V::splat(x[lane]), V::splat(y[lane]), V::splat(z[lane])]
+        };
         BoxRay {
             inverse: splat(&setup.inverse),
             near_offset: splat(&setup.near_offset),

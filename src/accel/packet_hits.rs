@@ -24,10 +24,7 @@ pub(super) struct PacketHits {
 
 impl PacketHits {
     #[inline(always)]
-    pub(super) fn new<const ANY_HIT: bool>(
-        active: u32,
-        t_max: &[f32; PACKET_WIDTH],
-    ) -> PacketHits {
+    pub(super) fn new<const ANY_HIT: bool>(active: u32, t_max: &[f32; PACKET_WIDTH]) -> PacketHits {
         let mut hits = PacketHits {
             distances: [Hit::MISS.t; PACKET_WIDTH],
             primitives: [Hit::MISS.primitive; PACKET_WIDTH],
@@ -148,17 +145,23 @@ impl PacketHits {
             let plane = TrianglePlanes::through(vertices);
             for half in [0, 1] {
                 let passed = passed >> (half * WIDTH) & 0xff;
-                if passed == 0 { continue; }
+                if passed == 0 {
+                    continue;
+                }
                 let (mut t, inside) = rays.intersect_plane(&plane, half);
                 if passed & !inside != 0 {
                     let mut distances = t.store();
                     for lane in SetBits(passed & !inside) {
-                        let (ray, vertices) = (rays.packet.ray(half * WIDTH + lane), block.triangle(triangle));
+                        let (ray, vertices) = (
+                            rays.packet.ray(half * WIDTH + lane),
+                            block.triangle(triangle),
+                        );
                         distances[lane] = clamp_to_box(&ray, vertices, distances[lane]);
                     }
                     t = S::F64x8::load(&distances);
                 }
-                let accepted = passed & self.accepted::<S, ANY_HIT>(rays.packet, half, t, primitive);
+                let accepted =
+                    passed & self.accepted::<S, ANY_HIT>(rays.packet, half, t, primitive);
                 let distances = t.store();
                 for lane in SetBits(accepted) {
                     let (t, lane) = (distances[lane], half * WIDTH + lane);
@@ -174,7 +177,13 @@ impl PacketHits {
     /// As [`accept_hit`], for half of a packet: the mask of rays whose query accepts a primitive at `t` but for what
     /// they exclude.
     #[inline(always)]
-    fn accepted<S: Simd, const ANY_HIT: bool>(&self, packet: &RayPacket, half: usize, t: S::F64x8, primitive: u32) -> u32 {
+    fn accepted<S: Simd, const ANY_HIT: bool>(
+        &self,
+        packet: &RayPacket,
+        half: usize,
+        t: S::F64x8,
+        primitive: u32,
+    ) -> u32 {
         let positive = S::F64x8::splat(0.0).lt(t);
         if ANY_HIT {
             let t_max = S::F64x8::widen(S::F32x8::load(&packet.t_max.as_chunks().0[half]));

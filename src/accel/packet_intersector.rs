@@ -41,12 +41,25 @@ impl<S: Simd> PacketIntersector<'_, S> {
     ) -> (S::F64x8, u32) {
         let ([ox, oy, oz], [dx, dy, dz]) = (&self.packet.origin, &self.packet.direction);
         let (origin, direction) = (
-            [load::<S>(ox, half), load::<S>(oy, half), load::<S>(oz, half)],
-            [load::<S>(dx, half), load::<S>(dy, half), load::<S>(dz, half)],
+            [
+                load::<S>(ox, half),
+                load::<S>(oy, half),
+                load::<S>(oz, half),
+            ],
+            [
+                load::<S>(dx, half),
+                load::<S>(dy, half),
+                load::<S>(dz, half),
+            ],
         );
-        let (t, outside) = triangle.splat::<S::F64x8, WIDTH>().intersect(origin, direction);
+        let (t, outside) = triangle
+            .splat::<S::F64x8, WIDTH>()
+            .intersect(origin, direction);
         let magnitude = load::<S>(&self.setup.origin_magnitude, half);
-        (t, outside.le(magnitude.mul(S::F64x8::splat(triangle_padding(1.0)))))
+        (
+            t,
+            outside.le(magnitude.mul(S::F64x8::splat(triangle_padding(1.0)))),
+        )
     }
 
     /// The mask of rays whose lines pass through the sphere.

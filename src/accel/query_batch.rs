@@ -169,7 +169,10 @@ impl Bvh {
                 query_state,
                 hits: &mut hits,
             });
-            assert!(is_traced, "a common major axis is enough where there is no tree");
+            assert!(
+                is_traced,
+                "a common major axis is enough where there is no tree"
+            );
             let lanes = packet.active_lanes();
             lanes.for_each(|lane| emit(indices[lane], hits.hit(lane)));
         };

@@ -51,9 +51,8 @@ impl<const N: usize> RaySetup<N> {
         let (one, zero) = (V::splat(1.0), V::splat(0.0));
         let [x, y, z] = [dx.abs(), dy.abs(), dz.abs()];
         let (yz, largest) = (y.max(z), x.max(y).max(z));
-        let by_major = |of_x: V, of_y: V, of_z: V| {
-            yz.select_le(x, of_x, z.select_le(y, of_y, of_z))
-        };
+        let by_major =
+            |of_x: V, of_y: V, of_z: V| yz.select_le(x, of_x, z.select_le(y, of_y, of_z));
         let major = by_major(dx, dy, dz);
         let inv_dz = one.div(major);
         let slope = |along: V| along.div(major).zero_below(MIN_SLOPE);

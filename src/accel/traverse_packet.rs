@@ -13,8 +13,8 @@ use super::packet_intersector::PacketIntersector;
 use super::packet_interval::PacketInterval;
 use super::query_state::QueryState;
 use super::ray_packet::RayPacket;
-use super::traverse_shared::occluded_shared;
 use super::stack::PacketStack;
+use super::traverse_shared::occluded_shared;
 use crate::math::Ray;
 use crate::simd::{Floats, PACKET_WIDTH, Simd, WithSimd};
 
@@ -108,7 +108,11 @@ impl WithSimd for ClosestOfRays<'_> {
 
 /// Without a tree.
 #[inline(always)]
-fn test_all<S: Simd, const ANY_HIT: bool>(bvh: &Bvh, rays: &PacketIntersector<S>, hits: &mut PacketHits) {
+fn test_all<S: Simd, const ANY_HIT: bool>(
+    bvh: &Bvh,
+    rays: &PacketIntersector<S>,
+    hits: &mut PacketHits,
+) {
     let active = rays.packet.active;
     for (sphere, primitive) in bvh.spheres.iter().zip(bvh.first_sphere..) {
         hits.intersect_sphere::<S, ANY_HIT>(sphere, primitive, rays, active);
@@ -181,4 +185,3 @@ fn traverse_coherent<S: Simd, const ANY_HIT: bool>(
         }
     }
 }
-

@@ -63,7 +63,10 @@ pub(super) fn occluded_shared<S: Simd>(
             occupied &= occupied - 1;
             let entering = node.rays & boxes.intersect_child(parent, lane, limits);
             if entering != 0 {
-                subtrees[len % (MAX_NODES * WIDTH)] = Subtree { child: parent.children[lane], rays: entering };
+                subtrees[len % (MAX_NODES * WIDTH)] = Subtree {
+                    child: parent.children[lane],
+                    rays: entering,
+                };
                 len += 1;
             }
         }
@@ -81,7 +84,7 @@ pub(super) fn occluded_shared<S: Simd>(
         let ray = SingleRay::<S>::new(ray, rays.setup, lane);
         let mut best = hits.hit(lane);
         if let Some((_, next)) = stack.pop() {
-        traverse::<S, true>(bvh, &ray, next, stack, &mut best);
+            traverse::<S, true>(bvh, &ray, next, stack, &mut best);
         }
         hits.update::<true>(lane, best);
     }

@@ -53,7 +53,11 @@ impl TriangleBlock {
         ray: &SingleRay<S>,
         best: &mut Hit,
     ) -> bool {
-        let limit = if ANY_HIT { ray.ray.t_max } else { best.t as f32 };
+        let limit = if ANY_HIT {
+            ray.ray.t_max
+        } else {
+            best.t as f32
+        };
         let limit = S::F32x8::splat(limit * DISTANCE_PADDING + ray.depth_error);
         let vertices = self.load_vertices::<S::F32x8>(ray.axes);
         let passed = ray.sheared.intersect(&vertices, limit);
@@ -71,7 +75,11 @@ impl TriangleBlock {
         let inside = passed & outside.le(S::F64x8::splat(padding));
         let mut distances = distances.store();
         for lane in SetBits(passed & !inside) {
-            distances[lane % WIDTH] = clamp_to_box(ray.ray, self.triangle(lane % WIDTH), distances[lane % WIDTH]);
+            distances[lane % WIDTH] = clamp_to_box(
+                ray.ray,
+                self.triangle(lane % WIDTH),
+                distances[lane % WIDTH],
+            );
         }
         for lane in SetBits(passed) {
             let lane = lane % WIDTH;

@@ -66,7 +66,10 @@ impl<D> TrianglePlanes<D> {
     {
         let ([nx, ny, nz], [px, py, pz]) = (self.normal, self.point);
         let ([ox, oy, oz], [dx, dy, dz]) = (origin, direction);
-        let above = nx.mul(px.sub(ox)).add(ny.mul(py.sub(oy))).add(nz.mul(pz.sub(oz)));
+        let above = nx
+            .mul(px.sub(ox))
+            .add(ny.mul(py.sub(oy)))
+            .add(nz.mul(pz.sub(oz)));
         let t = above.div(nx.mul(dx).add(ny.mul(dy)).add(nz.mul(dz)));
         let x = self.outside(0, ox.add(t.mul(dx)));
         let y = self.outside(1, oy.add(t.mul(dy)));

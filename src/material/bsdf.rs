@@ -85,10 +85,11 @@ impl Bsdf {
 #[inline]
 fn power(base: f32, exponent: f32) -> f32 {
     const LARGE: f32 = 1024.0;
-    if exponent.fract() != 0.0 || exponent > LARGE {
+    let whole = exponent as u32;
+    if whole as f32 != exponent || exponent > LARGE {
         return libm::powf(base, exponent);
     }
-    let (mut rest, mut square, mut product) = (exponent as u32, base, 1.0);
+    let (mut rest, mut square, mut product) = (whole, base, 1.0);
     while rest != 0 {
         if rest & 1 != 0 {
             product *= square;

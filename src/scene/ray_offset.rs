@@ -14,11 +14,19 @@ pub(super) fn round_towards_ray_origin(point: DVec3, ray: &Ray, t: f64) -> Vec3 
     let point = point - back * direction;
     let nearest = point.as_vec3();
     let beyond = (nearest.as_dvec3() - point) * direction;
+    Vec3::new(
+        stepped_back(nearest.x, ray.direction.x, beyond.x),
+        stepped_back(nearest.y, ray.direction.y, beyond.y),
+        stepped_back(nearest.z, ray.direction.z, beyond.z),
+    )
+}
+
+/// The next float against `direction` if `x` is beyond, else `x`.
+#[inline]
+fn stepped_back(x: f32, direction: f32, beyond: f64) -> f32 {
     // Branches would be mispredicted half of the time: so there are none.
-    Vec3::from_array([0, 1, 2].map(|axis| {
-        let back = -ray.direction[axis].signum() as i32;
-        stepped(nearest[axis], back * i32::from(beyond[axis] > 0.0))
-    }))
+    let back = 2 * i32::from(direction.is_sign_negative()) - 1;
+    stepped(x, back * i32::from(beyond > 0.0))
 }
 
 /// The float `steps` representable numbers above `x`; both are finite.
@@ -52,6 +60,9 @@ mod tests {
             assert_eq!(stepped(x, 1), x.next_up());
             assert_eq!(stepped(x, -1), x.next_down());
             assert_eq!(stepped(x, 0), x);
+            assert_eq!(stepped_back(x, -0.5, 1.0), x.next_up());
+            assert_eq!(stepped_back(x, 0.5, 1.0), x.next_down());
+            assert_eq!(stepped_back(x, 0.5, 0.0), x);
         }
     }
 }

@@ -30,7 +30,9 @@ impl PortableFloats<8> {
 
     #[inline(always)]
     pub(super) fn join(low: Self, high: Self) -> PortableFloats<16> {
-        PortableFloats(std::array::from_fn(|i| if i < 8 { low.0[i] } else { high.0[i - 8] }))
+        PortableFloats(std::array::from_fn(|i| {
+            if i < 8 { low.0[i] } else { high.0[i - 8] }
+        }))
     }
 }
 

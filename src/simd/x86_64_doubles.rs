@@ -28,7 +28,10 @@ impl Doubles<8> for Avx2Doubles {
     fn widen(Avx2Floats(lanes): Avx2Floats) -> Self {
         // SAFETY: as above.
         unsafe {
-            let (low, high) = (_mm256_castps256_ps128(lanes), _mm256_extractf128_ps::<1>(lanes));
+            let (low, high) = (
+                _mm256_castps256_ps128(lanes),
+                _mm256_extractf128_ps::<1>(lanes),
+            );
             Avx2Doubles(_mm256_cvtps_pd(low), _mm256_cvtps_pd(high))
         }
     }
@@ -36,7 +39,12 @@ impl Doubles<8> for Avx2Doubles {
     fn load(lanes: &[f64; 8]) -> Self {
         let (low, high) = lanes.split_at(4);
         // SAFETY: as above; each pointer covers four lanes and needs no alignment.
-        unsafe { Avx2Doubles(_mm256_loadu_pd(low.as_ptr()), _mm256_loadu_pd(high.as_ptr())) }
+        unsafe {
+            Avx2Doubles(
+                _mm256_loadu_pd(low.as_ptr()),
+                _mm256_loadu_pd(high.as_ptr()),
+            )
+        }
     }
     #[inline(always)]
     fn store(self) -> [f64; 8] {
@@ -52,27 +60,52 @@ impl Doubles<8> for Avx2Doubles {
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         // SAFETY: as above.
-        unsafe { Avx2Doubles(_mm256_add_pd(self.0, other.0), _mm256_add_pd(self.1, other.1)) }
+        unsafe {
+            Avx2Doubles(
+                _mm256_add_pd(self.0, other.0),
+                _mm256_add_pd(self.1, other.1),
+            )
+        }
     }
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
         // SAFETY: as above.
-        unsafe { Avx2Doubles(_mm256_sub_pd(self.0, other.0), _mm256_sub_pd(self.1, other.1)) }
+        unsafe {
+            Avx2Doubles(
+                _mm256_sub_pd(self.0, other.0),
+                _mm256_sub_pd(self.1, other.1),
+            )
+        }
     }
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         // SAFETY: as above.
-        unsafe { Avx2Doubles(_mm256_mul_pd(self.0, other.0), _mm256_mul_pd(self.1, other.1)) }
+        unsafe {
+            Avx2Doubles(
+                _mm256_mul_pd(self.0, other.0),
+                _mm256_mul_pd(self.1, other.1),
+            )
+        }
     }
     #[inline(always)]
     fn div(self, other: Self) -> Self {
         // SAFETY: as above.
-        unsafe { Avx2Doubles(_mm256_div_pd(self.0, other.0), _mm256_div_pd(self.1, other.1)) }
+        unsafe {
+            Avx2Doubles(
+                _mm256_div_pd(self.0, other.0),
+                _mm256_div_pd(self.1, other.1),
+            )
+        }
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         // SAFETY: as above.
-        unsafe { Avx2Doubles(_mm256_max_pd(self.0, other.0), _mm256_max_pd(self.1, other.1)) }
+        unsafe {
+            Avx2Doubles(
+                _mm256_max_pd(self.0, other.0),
+                _mm256_max_pd(self.1, other.1),
+            )
+        }
     }
     #[inline(always)]
     fn round_for_order(self) -> Self {

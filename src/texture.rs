@@ -39,6 +39,7 @@ impl Texture {
     /// The linear colour at `uv`: (0, 0) is the lower left corner of the image, (1, 1) the upper right one, and it
     /// repeats beyond. Texel centres lie at half-integers; between them the decoded colours are interpolated
     /// bilinearly. A coordinate that is not finite counts as 0.
+    #[inline(always)]
     pub fn sample(&self, uv: Vec2) -> Vec3 {
         let (x0, x1, fx) = neighbours(uv.x, self.width);
         let (y0, y1, fy) = neighbours(-uv.y, self.height);
@@ -64,6 +65,7 @@ impl Texture {
 }
 
 /// The largest integer not above `x`. Every float beyond 2^31 is an integer.
+#[inline(always)]
 fn floor(x: f32) -> f32 {
     let truncated = x as i32 as f32;
     if x.abs() >= 2_147_483_648.0 {
@@ -76,6 +78,7 @@ fn floor(x: f32) -> f32 {
 }
 
 /// The two texels around coordinate `u` in a row of `count`, and the weight of the second.
+#[inline(always)]
 fn neighbours(u: f32, count: usize) -> (usize, usize, f32) {
     // Wrapping first keeps all of the fraction's bits for far tiles.
     let wrapped = u - floor(u);

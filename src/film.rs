@@ -147,6 +147,7 @@ impl SrgbCodes {
 
     /// The code of a value, clipped; 0 for NaN.
     #[inline]
+    #[expect(clippy::manual_clamp, reason = "NaN becomes the least value")]
     fn code(&self, value: f32) -> u8 {
         let value = value.max(Self::LEAST).min(1.0);
         let first = self.first[Self::bin(value)];

@@ -49,10 +49,12 @@ impl<F: Features> WithSimd for SurfacesAt<'_, F> {
     fn with_simd<S: Simd>(self) -> Vec<Option<SurfaceInteraction>> {
         let mut surfaces = Vec::with_capacity(self.rays.len());
         for (ray, hit) in self.rays.iter().zip(self.hits) {
-            surfaces.push(match hit {
-                Some(hit) => Some(self.scene.surface::<F>(ray, hit)),
-                None => None,
-            });
+            // Not by `map`: its closure might be compiled on its own, without the instruction set.
+            let mut surface = None;
+            if let Some(hit) = hit {
+                surface = Some(self.scene.surface::<F>(ray, hit));
+            }
+            surfaces.push(surface);
         }
         surfaces
     }

@@ -90,10 +90,12 @@ impl Film {
 
     /// sRGB codes of 8 bits, rounded, values beyond 0 to 1 clipped: R, G, B of every pixel.
     pub fn to_srgb8(&self) -> Vec<u8> {
-        // The linear values between which the code changes: eight comparisons cost less than a power.
-        let steps: [f32; 255] = std::array::from_fn(|i| srgb_to_linear((i as f32 + 0.5) / 255.0));
-        let code = |channel: f32| steps.partition_point(|&step| step <= channel) as u8;
-        self.channels().map(code).collect()
+        let codes = SrgbCodes::new();
+        let mut bytes = Vec::with_capacity(3 * self.pixels.len());
+        for pixel in &self.pixels {
+            bytes.extend(pixel.to_array().map(|channel| codes.code(channel)));
+        }
+        bytes
     }
 
     /// sRGB codes of 16 bits, rounded and clipped, in big-endian byte order as in PNG: R, G, B of every pixel.
@@ -109,9 +111,67 @@ impl Film {
     }
 }
 
+/// The 8-bit sRGB codes of linear values. A power costs far more than one look-up and one comparison.
+struct SrgbCodes {
+    /// The linear values from which on the code is above 0, above 1, ...; none is above 255.
+    steps: [f32; 256],
+    /// The code of the least value of each bin: of values that share sign, exponent and the first seven bits of the
+    /// fraction. There is at most one step in a bin.
+    first: [u8; SrgbCodes::BINS],
+}
+
+impl SrgbCodes {
+    /// Below the first step.
+    const LEAST: f32 = 1.0 / 8192.0;
+    const BINS: usize = Self::bin(1.0) + 1;
+
+    const fn bin(value: f32) -> usize {
+        ((value.to_bits() - Self::LEAST.to_bits()) >> 16) as usize
+    }
+
+    fn new() -> SrgbCodes {
+        let step = |i: usize| match i {
+            255 => f32::INFINITY,
+            _ => srgb_to_linear((i as f32 + 0.5) / 255.0),
+        };
+        let steps: [f32; 256] = std::array::from_fn(step);
+        let first = |bin: usize| {
+            let least = f32::from_bits(Self::LEAST.to_bits() + ((bin as u32) << 16));
+            steps.partition_point(|&step| step <= least) as u8
+        };
+        SrgbCodes {
+            first: std::array::from_fn(first),
+            steps,
+        }
+    }
+
+    /// The code of a value, clipped; 0 for NaN.
+    #[inline]
+    #[expect(clippy::manual_clamp, reason = "NaN becomes the least value")]
+    fn code(&self, value: f32) -> u8 {
+        let value = value.max(Self::LEAST).min(1.0);
+        let first = self.first[Self::bin(value)];
+        first + u8::from(self.steps[usize::from(first)] <= value)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn codes_count_the_steps_up_to_a_value() {
+        let codes = SrgbCodes::new();
+        let steps = &codes.steps[..255];
+        assert!(steps[0] > SrgbCodes::LEAST && steps[254] < 1.0);
+        let around = steps.iter().flat_map(|&x| [x.next_down(), x, x.next_up()]);
+        let all = (0..1_000_000).map(|i| i as f32 * 1.1e-6);
+        let outside = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0, 1e-40, 1.0];
+        for value in around.chain(all).chain(outside) {
+            let below = steps.iter().filter(|&&step| step <= value).count();
+            assert_eq!(usize::from(codes.code(value)), below, "{value}");
+        }
+    }
 
     #[test]
     fn exposes_encodes_and_rounds() {

@@ -27,7 +27,7 @@ impl PointLight {
     /// E / pi at a squared distance in m², of a surface that faces the light: the factor on kd cos, in W/(sr m²).
     ///
     /// Black where it would not be finite: at the light itself there is no direction to it.
-    #[inline]
+    #[inline(always)]
     pub fn irradiance_over_pi(&self, distance_squared: f32) -> Vec3 {
         let value = match self.falloff {
             Falloff::InverseSquare => self.intensity / (PI * distance_squared),

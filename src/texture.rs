@@ -39,11 +39,17 @@ impl Texture {
     /// The linear colour at `uv`: (0, 0) is the lower left corner of the image, (1, 1) the upper right one, and it
     /// repeats beyond. Texel centres lie at half-integers; between them the decoded colours are interpolated
     /// bilinearly. A coordinate that is not finite counts as 0.
+    #[inline(always)]
     pub fn sample(&self, uv: Vec2) -> Vec3 {
         let (x0, x1, fx) = neighbours(uv.x, self.width);
         let (y0, y1, fy) = neighbours(-uv.y, self.height);
-        let top = self.texel(x0, y0).lerp(self.texel(x1, y0), fx);
-        let bottom = self.texel(x0, y1).lerp(self.texel(x1, y1), fx);
+        let table = &*LINEAR_OF_CODE;
+        let texel = |x: usize, y: usize| {
+            let [r, g, b] = self.texels[y * self.width + x];
+            Vec3::new(table[r as usize], table[g as usize], table[b as usize])
+        };
+        let top = texel(x0, y0).lerp(texel(x1, y0), fx);
+        let bottom = texel(x0, y1).lerp(texel(x1, y1), fx);
         top.lerp(bottom, fy)
     }
 
@@ -56,15 +62,10 @@ impl Texture {
         let sum: DVec3 = colors.map(|color| Vec3::from_array(color).as_dvec3()).sum();
         sum / self.texels.len() as f64
     }
-
-    fn texel(&self, x: usize, y: usize) -> Vec3 {
-        let table = &*LINEAR_OF_CODE;
-        let [r, g, b] = self.texels[y * self.width + x];
-        Vec3::new(table[r as usize], table[g as usize], table[b as usize])
-    }
 }
 
 /// The largest integer not above `x`. Every float beyond 2^31 is an integer.
+#[inline(always)]
 fn floor(x: f32) -> f32 {
     let truncated = x as i32 as f32;
     if x.abs() >= 2_147_483_648.0 {
@@ -77,6 +78,7 @@ fn floor(x: f32) -> f32 {
 }
 
 /// The two texels around coordinate `u` in a row of `count`, and the weight of the second.
+#[inline(always)]
 fn neighbours(u: f32, count: usize) -> (usize, usize, f32) {
     // Wrapping first keeps all of the fraction's bits for far tiles.
     let wrapped = u - floor(u);

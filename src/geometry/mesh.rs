@@ -22,6 +22,7 @@ pub type VertexIndices = [u32; 3];
 
 impl Mesh {
     /// The positions of a triangle's vertices.
+    #[inline(always)]
     pub fn triangle(&self, [a, b, c]: VertexIndices) -> [Vec3; 3] {
         [
             self.positions[a as usize],
@@ -41,12 +42,14 @@ impl Mesh {
     }
 
     /// The barycentric weights of a triangle's vertices at `point`, which lies on it; their sum is 1.
+    #[inline(always)]
     pub fn weights(&self, vertices: VertexIndices, point: DVec3) -> [f32; 3] {
         let (u, v) = triangle::barycentric(point, self.triangle(vertices));
         [(1.0 - u - v) as f32, u as f32, v as f32]
     }
 
     /// The unit shading normal at barycentric weights; `geometric_normal` where the mesh has no other.
+    #[inline(always)]
     pub fn shading_normal(
         &self,
         vertices: VertexIndices,
@@ -66,6 +69,7 @@ impl Mesh {
     }
 
     /// The texture coordinates at barycentric weights; zero where the mesh has none.
+    #[inline(always)]
     pub fn uv(&self, vertices: VertexIndices, weights: [f32; 3]) -> Vec2 {
         if self.uvs.is_empty() {
             return Vec2::ZERO;

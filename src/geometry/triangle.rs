@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 
 /// The barycentric coordinates (u, v) of a point of the triangle's plane, the weights of the second and third
 /// vertex, clamped to the triangle.
+#[inline(always)]
 pub(super) fn barycentric(point: DVec3, vertices: [Vec3; 3]) -> (f64, f64) {
     let [a, b, c] = vertices.map(|p| p.as_dvec3());
     let normal = normal(vertices);
@@ -35,6 +36,7 @@ pub fn distance_to_triangle(point: DVec3, vertices: [Vec3; 3]) -> f64 {
 }
 
 /// The normal of the winding; its length is twice the area.
+#[inline(always)]
 pub(super) fn normal(vertices: [Vec3; 3]) -> DVec3 {
     let [a, b, c] = vertices.map(|p| p.as_dvec3());
     (b - a).cross(c - a)

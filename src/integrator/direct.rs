@@ -4,8 +4,9 @@ use crate::accel::QueryState;
 use crate::material::Features;
 use crate::math::Ray;
 use crate::scene::{Scene, ShadowPacket, SurfaceInteraction, SurfacePointPacket};
-use crate::simd::PACKET_WIDTH;
+use crate::simd::{PACKET_WIDTH, Simd, WithSimd};
 use glam::Vec3;
+use std::marker::PhantomData;
 
 /// A light that illuminates a surface without occlusion.
 pub(super) struct LightContribution {
@@ -64,27 +65,61 @@ fn direct_lighting<F: Features>(
         .filter_map(|(index, surface)| Some((index, surface.as_ref()?)))
         .filter(|(_, surface)| surface.bsdf.has_direct::<F>())
         .collect();
-    let packets = reflecting.chunks(PACKET_WIDTH).map(|surfaces| {
-        let mut points = SurfacePointPacket::default();
+    let mut packets = Vec::new();
+    packets.resize_with(
+        reflecting.len().div_ceil(PACKET_WIDTH),
+        SurfacePointPacket::default,
+    );
+    for (points, surfaces) in packets.iter_mut().zip(reflecting.chunks(PACKET_WIDTH)) {
         for (_, surface) in surfaces {
             points.push(&surface.point);
         }
-        points
-    });
-    let packets: Vec<SurfacePointPacket> = packets.collect();
+    }
     let mut shadow_packets = Vec::with_capacity(packets.len());
-    for (light_index, light) in scene.lights.iter().enumerate() {
+    for light in 0..scene.lights.len() {
+        let position = scene.lights[light].position;
         shadow_packets.clear();
-        shadow_packets.extend(
-            packets
-                .iter()
-                .map(|p| scene.shadow_rays_to(p, light.position)),
-        );
-        let is_occluded = occluded(&shadow_packets);
-        let packets = reflecting
-            .chunks(PACKET_WIDTH)
-            .zip(&shadow_packets)
-            .zip(&is_occluded);
+        shadow_packets.extend(packets.iter().map(|p| scene.shadow_rays_to(p, position)));
+        let occluded = occluded(&shadow_packets);
+        scene.kernel().run(LightOf::<F, _> {
+            scene,
+            light,
+            surfaces: &reflecting,
+            rays,
+            shadow_packets: &shadow_packets,
+            occluded: &occluded,
+            sums: &mut sums,
+            on_contribution: &mut on_contribution,
+            features: PhantomData,
+        });
+    }
+    sums
+}
+
+/// Adds the light of one light that surfaces reflect, for every instruction set.
+struct LightOf<'a, F, OnContribution> {
+    scene: &'a Scene,
+    light: usize,
+    surfaces: &'a [(usize, &'a SurfaceInteraction)],
+    rays: &'a [Ray],
+    /// From the surfaces, and the masks of those that are occluded.
+    shadow_packets: &'a [ShadowPacket],
+    occluded: &'a [u32],
+    sums: &'a mut [Vec3],
+    on_contribution: &'a mut OnContribution,
+    features: PhantomData<F>,
+}
+
+impl<F: Features, OnContribution: FnMut(&LightContribution)> WithSimd
+    for LightOf<'_, F, OnContribution>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self) {
+        let light = &self.scene.lights[self.light];
+        let packets = self.surfaces.chunks(PACKET_WIDTH);
+        let packets = packets.zip(self.shadow_packets).zip(self.occluded);
         for ((surfaces, shadow_packet), occluded) in packets {
             for lane in shadow_packet.unoccluded(*occluded) {
                 let (index, surface) = surfaces[lane];
@@ -92,17 +127,16 @@ fn direct_lighting<F: Features>(
                 let reflected = surface.bsdf.eval_cos::<F>(
                     surface.point.shading_normal,
                     shadow_packet.direction(lane),
-                    -rays[index].direction,
+                    -self.rays[index].direction,
                 );
-                sums[index] += reflected * light.irradiance_over_pi(distance * distance);
-                on_contribution(&LightContribution {
+                self.sums[index] += reflected * light.irradiance_over_pi(distance * distance);
+                (self.on_contribution)(&LightContribution {
                     surface: index,
-                    light: light_index,
+                    light: self.light,
                     distance,
                     cosine: shadow_packet.cosine(lane),
                 });
             }
         }
     }
-    sums
 }

@@ -5,7 +5,9 @@ use crate::geometry::Hit;
 use crate::material::{Features, reflect};
 use crate::math::Ray;
 use crate::scene::{Scene, SurfaceInteraction};
+use crate::simd::{Simd, WithSimd};
 use glam::Vec3;
+use std::marker::PhantomData;
 
 /// The surface that each of some coherent rays hits.
 pub(super) fn coherent_surfaces<F: Features>(
@@ -24,9 +26,38 @@ pub(super) fn surfaces<F: Features>(
     rays: &[Ray],
     hits: &[Option<Hit>],
 ) -> Vec<Option<SurfaceInteraction>> {
-    let surface =
-        |(ray, hit): (&Ray, &Option<Hit>)| hit.as_ref().map(|hit| scene.surface::<F>(ray, hit));
-    rays.iter().zip(hits).map(surface).collect()
+    scene.kernel().run(SurfacesAt::<F> {
+        scene,
+        rays,
+        hits,
+        features: PhantomData,
+    })
+}
+
+/// [`surfaces`] for every instruction set.
+struct SurfacesAt<'a, F> {
+    scene: &'a Scene,
+    rays: &'a [Ray],
+    hits: &'a [Option<Hit>],
+    features: PhantomData<F>,
+}
+
+impl<F: Features> WithSimd for SurfacesAt<'_, F> {
+    type Output = Vec<Option<SurfaceInteraction>>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self) -> Vec<Option<SurfaceInteraction>> {
+        let mut surfaces = Vec::with_capacity(self.rays.len());
+        for (ray, hit) in self.rays.iter().zip(self.hits) {
+            // Not by `map`: its closure might be compiled on its own, without the instruction set.
+            let mut surface = None;
+            if let Some(hit) = hit {
+                surface = Some(self.scene.surface::<F>(ray, hit));
+            }
+            surfaces.push(surface);
+        }
+        surfaces
+    }
 }
 
 /// The ambient light that stands for all bounces that are not computed.

@@ -18,7 +18,7 @@ pub struct Bsdf {
 
 impl Bsdf {
     /// Weight of the mirror.
-    #[inline]
+    #[inline(always)]
     pub fn mirror_weight<F: Features>(&self) -> Vec3 {
         if F::MIRRORS {
             self.reflective
@@ -28,20 +28,20 @@ impl Bsdf {
     }
 
     /// Whether the base layer reflects direct light.
-    #[inline]
+    #[inline(always)]
     pub fn has_direct<F: Features>(&self) -> bool {
         self.base_weight::<F>() != Vec3::ZERO
             && (self.diffuse != Vec3::ZERO || F::HIGHLIGHTS && self.specular != Vec3::ZERO)
     }
 
     /// Whether the base layer reflects indirect diffuse light.
-    #[inline]
+    #[inline(always)]
     pub fn has_diffuse<F: Features>(&self) -> bool {
         self.base_weight::<F>() * self.diffuse != Vec3::ZERO
     }
 
     /// Weight of the base layer.
-    #[inline]
+    #[inline(always)]
     pub fn base_weight<F: Features>(&self) -> Vec3 {
         Vec3::ONE - self.mirror_weight::<F>()
     }
@@ -63,7 +63,7 @@ impl Bsdf {
 
     /// The BRDF of the base layer times pi times the cosine: kd cos + ks (R.V)^shininess, cos = N.L, for light that
     /// arrives from `to_light` and leaves to `to_viewer` (Phong 1975). Zero for light from behind.
-    #[inline]
+    #[inline(always)]
     pub fn eval_cos<F: Features>(&self, normal: Vec3, to_light: Vec3, to_viewer: Vec3) -> Vec3 {
         let cos = normal.dot(to_light);
         if cos <= 0.0 {
@@ -82,13 +82,14 @@ impl Bsdf {
 ///
 /// Whole exponents, as most are, by repeated squaring: in a third of the time of the general function, with an error
 /// below that of rounding `base`.
-#[inline]
+#[inline(always)]
 fn power(base: f32, exponent: f32) -> f32 {
     const LARGE: f32 = 1024.0;
-    if exponent.fract() != 0.0 || exponent > LARGE {
+    let whole = exponent as u32;
+    if whole as f32 != exponent || exponent > LARGE {
         return libm::powf(base, exponent);
     }
-    let (mut rest, mut square, mut product) = (exponent as u32, base, 1.0);
+    let (mut rest, mut square, mut product) = (whole, base, 1.0);
     while rest != 0 {
         if rest & 1 != 0 {
             product *= square;
@@ -100,7 +101,7 @@ fn power(base: f32, exponent: f32) -> f32 {
 }
 
 /// The mirror reflection of `direction` at a surface with unit `normal`; both directions point away.
-#[inline]
+#[inline(always)]
 pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
     normal * (2.0 * normal.dot(direction)) - direction
 }

@@ -47,7 +47,7 @@ impl Material {
     }
 
     /// The reflection at texture coordinates `uv`.
-    #[inline]
+    #[inline(always)]
     pub fn bsdf<F: Features>(&self, uv: Vec2, textures: &[Texture]) -> Bsdf {
         let texel = match self.texture {
             Some(id) if F::TEXTURES => textures[id].sample(uv),

@@ -48,12 +48,12 @@ pub fn tile_count(settings: &RenderSettings) -> u64 {
 
 /// Lower and upper bound of the bytes of memory that a frame takes while it is rendered and encoded.
 pub fn frame_memory(settings: &RenderSettings) -> [u64; 2] {
-    // Per point: value and number of passes, and both again in the tile with the point's position; of two half buffers
-    // also image and difference. The allocator returns less memory of small frames.
+    // Per point: value and number of passes; of two half buffers also image and difference. The allocator returns less
+    // memory of small frames.
     let bytes = if settings.has_noise() {
-        [80, 160]
+        [60, 160]
     } else {
-        [36, 90]
+        [16, 90]
     };
     bytes.map(|bytes| bytes * Grid::of(settings).len() as u64)
 }

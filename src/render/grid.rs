@@ -2,6 +2,7 @@
 
 use super::{PixelSampling, RenderSettings};
 use glam::Vec3;
+use std::ops::Range;
 
 /// Columns and rows of points in a tile: small enough that all threads are busy, large enough that neighbouring points
 /// find their data in the processor's cache.
@@ -34,6 +35,17 @@ impl Grid {
 
     pub(super) fn tiles(self) -> u64 {
         u64::from(self.width.div_ceil(TILE)) * u64::from(self.height.div_ceil(TILE))
+    }
+
+    /// The points of a row of tiles; fewer in the last one.
+    pub(super) fn points_per_tile_row(self) -> usize {
+        self.width as usize * TILE as usize
+    }
+
+    /// The tiles of a row of tiles.
+    pub(super) fn tiles_of_row(self, row: usize) -> Range<u64> {
+        let tiles = u64::from(self.width.div_ceil(TILE));
+        row as u64 * tiles..(row as u64 + 1) * tiles
     }
 
     /// The points of a tile in Morton order, so that rays that are traced together are coherent.

@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 
 /// A hit point, rounded to single precision towards the ray's origin and moved towards it by a few units of
 /// rounding: the space in between is free, but just behind the point there may be a wall, as in a corner.
-#[inline]
+#[inline(always)]
 pub(super) fn round_towards_ray_origin(point: DVec3, ray: &Ray, t: f64) -> Vec3 {
     const ROUNDINGS: f64 = 4.0 * f32::EPSILON as f64;
     let direction = ray.direction.as_dvec3();
@@ -14,15 +14,23 @@ pub(super) fn round_towards_ray_origin(point: DVec3, ray: &Ray, t: f64) -> Vec3 
     let point = point - back * direction;
     let nearest = point.as_vec3();
     let beyond = (nearest.as_dvec3() - point) * direction;
+    Vec3::new(
+        stepped_back(nearest.x, ray.direction.x, beyond.x),
+        stepped_back(nearest.y, ray.direction.y, beyond.y),
+        stepped_back(nearest.z, ray.direction.z, beyond.z),
+    )
+}
+
+/// The next float against `direction` if `x` is beyond, else `x`.
+#[inline(always)]
+fn stepped_back(x: f32, direction: f32, beyond: f64) -> f32 {
     // Branches would be mispredicted half of the time: so there are none.
-    Vec3::from_array([0, 1, 2].map(|axis| {
-        let back = -ray.direction[axis].signum() as i32;
-        stepped(nearest[axis], back * i32::from(beyond[axis] > 0.0))
-    }))
+    let back = 2 * i32::from(direction.is_sign_negative()) - 1;
+    stepped(x, back * i32::from(beyond > 0.0))
 }
 
 /// The float `steps` representable numbers above `x`; both are finite.
-#[inline]
+#[inline(always)]
 fn stepped(x: f32, steps: i32) -> f32 {
     // The bits without the sign count the representable numbers between 0 and a number.
     let bits = x.to_bits() as i32;
@@ -37,6 +45,7 @@ fn stepped(x: f32, steps: i32) -> f32 {
 /// The point was computed in double precision, so almost all of its error is its rounding to single
 /// precision: an ulp in each coordinate. Doubling keeps a ray's origin on its side of the exact surface after the
 /// origin, too, is rounded. `magnitude` bounds the coordinates that the point was computed from.
+#[inline(always)]
 pub(super) fn ray_offset(position: Vec3, normal: Vec3, magnitude: f32) -> f32 {
     const DOUBLE_PRECISION_ERROR: f32 = 32.0 * f64::EPSILON as f32;
     (2.0 * f32::EPSILON * position.abs()).dot(normal.abs()) + DOUBLE_PRECISION_ERROR * magnitude
@@ -52,6 +61,9 @@ mod tests {
             assert_eq!(stepped(x, 1), x.next_up());
             assert_eq!(stepped(x, -1), x.next_down());
             assert_eq!(stepped(x, 0), x);
+            assert_eq!(stepped_back(x, -0.5, 1.0), x.next_up());
+            assert_eq!(stepped_back(x, 0.5, 1.0), x.next_down());
+            assert_eq!(stepped_back(x, 0.5, 0.0), x);
         }
     }
 }

@@ -99,7 +99,7 @@ impl Scene {
         self.bvh.closest_point_distance(point - self.origin, within)
     }
 
-    /// The instruction set of ray queries and irradiance lookups.
+    /// The instruction set of ray queries, irradiance lookups and shading.
     pub fn kernel(&self) -> Kernel {
         self.bvh.kernel()
     }

@@ -23,26 +23,26 @@ impl ShadowPacket {
     }
 
     /// The lanes of the points that see the target, given the mask of occluded rays.
-    #[inline]
+    #[inline(always)]
     pub fn unoccluded(&self, occluded: u32) -> impl Iterator<Item = usize> + use<> {
         SetBits(self.facing() & !occluded)
     }
 
     /// The unit direction from a point that faces the target.
-    #[inline]
+    #[inline(always)]
     pub fn direction(&self, lane: usize) -> Vec3 {
         let [x, y, z] = &self.rays.direction;
         Vec3::new(x[lane], y[lane], z[lane])
     }
 
     /// The distance from a point to the target.
-    #[inline]
+    #[inline(always)]
     pub fn distance(&self, lane: usize) -> f32 {
         self.distance[lane]
     }
 
     /// The cosine of the angle between the direction to the target and a point's geometric normal.
-    #[inline]
+    #[inline(always)]
     pub fn cosine(&self, lane: usize) -> f32 {
         self.cosine[lane]
     }

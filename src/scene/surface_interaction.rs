@@ -30,7 +30,7 @@ struct ShapePoint {
 
 impl Scene {
     /// The surface that `ray` sees at `hit`.
-    #[inline]
+    #[inline(always)]
     pub fn surface<F: Features>(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
         let number = hit.primitive as usize;
         let point = match self.triangles.get(number) {
@@ -87,7 +87,7 @@ impl Scene {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn triangle_point<F: Features>(&self, position: DVec3, triangle: &Triangle) -> ShapePoint {
         let vertices = triangle.vertices;
         let mesh = &self.meshes[triangle.mesh as usize];
@@ -121,7 +121,7 @@ impl Scene {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn sphere_point<F: Features>(&self, position: DVec3, index: usize) -> ShapePoint {
         let sphere = &self.spheres[index];
         let normal = (position - sphere.center).normalize();

@@ -23,16 +23,7 @@ pub struct Bvh {
     pub(super) exceeds_caches: bool,
 }
 
-/// Bytes of a tree that no cache of a core's own, nor its share of a common one, holds.
-const MIN_UNCACHED: usize = 1 << 28;
-
 impl Bvh {
-    /// Notes how large the tree is.
-    pub(super) fn measured(mut self) -> Bvh {
-        self.exceeds_caches = self.memory() > MIN_UNCACHED;
-        self
-    }
-
     /// The box around all primitives.
     pub fn bounds(&self) -> Aabb {
         self.bounds

@@ -5,3 +5,6 @@ pub(super) const WIDTH: usize = 8;
 
 /// The largest depth of a leaf.
 pub(super) const MAX_DEPTH: usize = 79;
+
+/// More bytes of nodes and blocks than a core finds in its caches.
+pub(super) const MAX_CACHED: usize = 1 << 28;

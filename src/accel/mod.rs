@@ -98,4 +98,6 @@ mod fuzz;
 #[cfg(fuzzing)]
 pub use fuzz::check_scene_of;
 #[cfg(test)]
+mod setup_tests;
+#[cfg(test)]
 mod tests;

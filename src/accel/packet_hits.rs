@@ -28,13 +28,14 @@ impl PacketHits {
         let mut hits = PacketHits {
             distances: [Hit::MISS.t; PACKET_WIDTH],
             primitives: [Hit::MISS.primitive; PACKET_WIDTH],
-            limits: [f32::MAX; PACKET_WIDTH],
+            limits: [f32::INFINITY; PACKET_WIDTH],
         };
         for (lane, limit) in hits.limits.iter_mut().enumerate() {
             if active >> lane & 1 == 0 {
                 *limit = -1.0;
             } else if ANY_HIT {
-                *limit = t_max[lane] * DISTANCE_PADDING;
+                // -1 for NaN, which would hide other rays' limits in the largest.
+                *limit = (t_max[lane] * DISTANCE_PADDING).max(-1.0);
             }
         }
         hits

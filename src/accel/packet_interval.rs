@@ -48,8 +48,14 @@ impl PacketInterval {
             };
             interval.first_origin[axis] = first;
             interval.last_origin[axis] = last;
-            interval.min_inverse[axis] = inverse.reduce_min();
-            interval.max_inverse[axis] = inverse.reduce_max();
+            let (min, max) = (inverse.reduce_min(), inverse.reduce_max());
+            interval.min_inverse[axis] = min;
+            interval.max_inverse[axis] = max;
+            if min.is_infinite() || max.is_infinite() {
+                // Its products bound nothing: NaN culls nothing.
+                interval.first_origin[axis] = f32::NAN;
+                interval.last_origin[axis] = f32::NAN;
+            }
         }
         interval
     }

@@ -5,6 +5,7 @@ use super::bvh::Bvh;
 use super::fuzz::check_packets;
 use super::node::Child;
 use super::query_state::QueryState;
+use super::ray_packet::RayPacket;
 use super::validate::BvhError;
 use crate::geometry::Sphere;
 use crate::math::{Aabb, Ray};
@@ -136,4 +137,77 @@ fn traversal_of_nan_rays_ends() {
             }
         }
     }
+}
+
+/// All queries of sixteen rays find what each finds among all triangles.
+fn check_all_queries(triangles: &[[Vec3; 3]], rays: &[Ray; PACKET_WIDTH]) {
+    for kernel in Kernel::available() {
+        let mut query_state = QueryState::default();
+        let bvh = Bvh::new(triangles, vec![], kernel);
+        let mut brute = Bvh::new(triangles, vec![], Kernel::PORTABLE);
+        brute.nodes.clear();
+        let expected = rays.map(|ray| brute.closest(&ray, &mut query_state));
+        let (mut coherent, mut incoherent) = ([None; PACKET_WIDTH], [None; PACKET_WIDTH]);
+        bvh.closest_coherent(rays, &mut coherent, &mut query_state);
+        bvh.closest_incoherent(rays, &mut incoherent, &mut query_state);
+        let single = rays.map(|ray| bvh.closest(&ray, &mut query_state));
+        assert_eq!([coherent, incoherent, single], [expected; 3], "{kernel}");
+
+        let packet = RayPacket::new(rays);
+        let coherent = bvh.occluded_coherent(&packet, &mut query_state);
+        let incoherent = bvh.occluded_incoherent([&packet].into_iter(), &mut query_state);
+        for (lane, ray) in rays.iter().enumerate() {
+            let expected = brute.occluded(ray, &mut query_state);
+            let found = [coherent, incoherent[0]].map(|mask| mask >> lane & 1 != 0);
+            assert_eq!(found, [expected; 2], "{ray:?} {kernel}");
+        }
+    }
+}
+
+/// Triangles across the x axis, around (x, y, 0) for each x.
+fn row(y: f32, size: f32, x: impl Fn(f32) -> f32) -> Vec<[Vec3; 3]> {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]];
+    let at = |x: f32| corners.map(|[v, w]| Vec3::new(x, y + size * v, size * w));
+    (0..30).map(|i| at(x(i as f32))).collect()
+}
+
+/// Where products overflow, nothing is culled.
+#[test]
+fn rays_at_the_ends_of_the_range_of_floats() {
+    let along = |y: f32, size: f32| Ray::new(Vec3::new(0.0, y, 0.0), Vec3::X * size);
+    // The origin's part of a slab is infinite.
+    check_all_queries(
+        &row(4e20, 1e16, |i| 1e15 * (i + 1.0)),
+        &[along(4e20, 1.0); 16],
+    );
+    check_all_queries(&row(1e3, 1.0, |i| i + 1.0), &[along(1e3, 1e-18); 16]);
+    // The reciprocal is.
+    let steep = Ray::new(Vec3::new(0.0, 0.0, 1e-4), Vec3::new(1e-37, -2e-40, 0.0));
+    check_all_queries(&row(0.0, 1.0, |i| 1e-2 * (i + 1.0)), &[steep; 16]);
+    let far = Ray::new(Vec3::new(1.5, 0.0, 0.0), Vec3::new(1e-38, 0.0, 0.0));
+    check_all_queries(&row(0.0, 1.0, |i| 3.5 + 0.01 * i), &[far; 16]);
+}
+
+/// A ray without a number for its end does not hide what the others meet.
+#[test]
+fn ends_that_are_no_number_concern_one_ray() {
+    let ray = Ray::new(Vec3::ZERO, Vec3::X);
+    for t_max in [f32::NAN, -1.0, -0.0, 0.0] {
+        for lane in 0..PACKET_WIDTH {
+            let mut rays = [ray; PACKET_WIDTH];
+            rays[lane].t_max = t_max;
+            check_all_queries(&row(0.0, 1.0, |i| i + 1.0), &rays);
+        }
+    }
+}
+
+#[test]
+fn directions_with_nan_find_a_packet() {
+    let triangles = &row(0.0, 1.0, |i| i + 1.0)[..3];
+    let bvh = Bvh::new(triangles, vec![], Kernel::default());
+    let directions = [[1.0, 0.0, 0.0], [3.0, f32::NAN, 2.0], [f32::NAN, 1.0, 2.0]];
+    let rays = directions.map(|d| Ray::new(Vec3::ZERO, Vec3::from_array(d)));
+    let mut hits = [None; 3];
+    bvh.closest_incoherent(&rays, &mut hits, &mut QueryState::default());
+    assert!(hits[0].is_some());
 }

@@ -18,12 +18,8 @@ pub(super) struct ShearedRays<V> {
     /// 1 / direction.z: the ray parameter of one unit of z.
     inv_dz: V,
     /// What lies before this ray parameter lies behind the origin, less than the error bound from it.
-    behind: V,
+    pub(super) behind: V,
 }
-
-/// Smaller slopes count as 0: their products with lengths would underflow and turn a ray in a triangle's
-/// plane into noise.
-pub(super) const MIN_SLOPE: f32 = 1e-25;
 
 impl<V> ShearedRays<V> {
     /// All rays of a packet that share the permutation of their axes.
@@ -98,76 +94,5 @@ impl<V> ShearedRays<V> {
         let z = z.sub(oz);
         let (x, y) = (x.sub(ox).sub(sx.mul(z)), y.sub(oy).sub(sy.mul(z)));
         (x, y, z.mul(self.inv_dz))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::bvh::Bvh;
-    use super::super::hit_filter::DISTANCE_PADDING;
-    use super::super::query_state::QueryState;
-    use super::*;
-    use crate::math::Ray;
-    use crate::sampling::Random;
-    use crate::simd::{Kernel, Scalar};
-    use glam::Vec3;
-
-    /// Whether a triangle passes for a query whose best hit is at `t`, with a share of the error bound of depths.
-    fn passes(ray: &Ray, triangle: [Vec3; 3], t: f64, share: f32) -> bool {
-        let scalars = |v: Vec3| v.to_array().map(Scalar::splat);
-        let magnitude = triangle
-            .map(|v| v.abs().max_element())
-            .into_iter()
-            .fold(0.0, f32::max);
-        let setup = RaySetup::<1>::new(scalars(ray.origin), scalars(ray.direction), magnitude);
-        let [kx, ky, kz] = setup.axes(0);
-        let permuted = triangle.map(|v| scalars(Vec3::new(v[kx], v[ky], v[kz])));
-        let [error] = setup.depth_error.map(|error| share * error);
-        let rays = ShearedRays::<Scalar> {
-            behind: Scalar::splat(-error),
-            ..ShearedRays::load(&setup)
-        };
-        let limit = t as f32 * DISTANCE_PADDING + error;
-        rays.intersect(&permuted, Scalar::splat(limit)) != 0
-    }
-
-    /// The margin of the test of depths: hits are never culled, and those of steep triangles that rays pass by a hair
-    /// need most of what is derived.
-    #[test]
-    fn depths_are_culled_only_beyond_their_error_bound() {
-        let mut random = Random::new(3);
-        let mut query_state = QueryState::default();
-        let (mut hits, mut largest_share) = (0, 0.0_f32);
-        for _ in 0..200_000 {
-            let size = 10_f32.powf(4.0 * random.unit());
-            let origin = random.vector(size);
-            let direction = random.vector(1.0);
-            let ray = Ray::new(origin, direction);
-            // Along the ray, off it by some units in the last place.
-            let mut vertex = || {
-                let along = ray.at((2.0 * random.unit()).into()).as_vec3();
-                along + random.vector(4.0 * f32::EPSILON * size)
-            };
-            let triangle = [vertex(), vertex(), vertex()];
-            let bvh = Bvh::new(&[triangle], vec![], Kernel::PORTABLE);
-            let Some(hit) = bvh.closest(&ray, &mut query_state) else {
-                continue;
-            };
-            hits += 1;
-            assert!(passes(&ray, triangle, hit.t, 1.0), "{ray:?} {triangle:?}");
-            let (mut low, mut high) = (0.0, 1.0);
-            for _ in 0..10 {
-                let share = 0.5 * (low + high);
-                if passes(&ray, triangle, hit.t, share) {
-                    high = share;
-                } else {
-                    low = share;
-                }
-            }
-            largest_share = largest_share.max(low);
-        }
-        assert!(hits > 10_000);
-        // Derived: 9.5 of 16.
-        assert!((0.4..0.6).contains(&largest_share), "{largest_share}");
     }
 }

@@ -27,6 +27,7 @@ mod split;
 mod tests;
 
 use super::bvh::Bvh;
+use super::constants::MAX_CACHED;
 use crate::geometry::Sphere;
 use crate::math::Aabb;
 use crate::simd::Kernel;
@@ -48,6 +49,7 @@ impl Bvh {
         reinsert(&mut tree.nodes);
         let collapse = Collapse::of(&tree);
         let (nodes, blocks) = emit(&tree, &collapse, triangles);
+        let exceeds_caches = size_of_val(&*nodes) + size_of_val(&*blocks) > MAX_CACHED;
         let bounds = tree.bounds();
         Bvh {
             nodes,
@@ -57,9 +59,8 @@ impl Bvh {
             bounds,
             magnitude: bounds.max.max(-bounds.min).max_element().max(0.0),
             kernel,
-            exceeds_caches: false,
+            exceeds_caches,
         }
-        .measured()
     }
 }
 

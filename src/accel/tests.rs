@@ -182,8 +182,8 @@ fn rays_at_the_ends_of_the_range_of_floats() {
     );
     check_all_queries(&row(1e3, 1.0, |i| i + 1.0), &[along(1e3, 1e-18); 16]);
     // The reciprocal is.
-    let steep = Ray::new(Vec3::new(0.0, 0.0, 1e-4), Vec3::new(1e-37, -2e-40, 0.0));
-    check_all_queries(&row(0.0, 1.0, |i| 1e-2 * (i + 1.0)), &[steep; 16]);
+    let steep = Ray::new(Vec3::new(1e-4, 0.0, 0.0), Vec3::new(-2e-40, 1e-37, 0.0));
+    check_all_queries(&row(0.0, 1.0, |i| -1e-9 * i), &[steep; 16]);
     let far = Ray::new(Vec3::new(1.5, 0.0, 0.0), Vec3::new(1e-38, 0.0, 0.0));
     check_all_queries(&row(0.0, 1.0, |i| 3.5 + 0.01 * i), &[far; 16]);
 }

@@ -3,6 +3,7 @@
 use super::bvh::Bvh;
 use super::constants::WIDTH;
 use super::hit_filter::{DISTANCE_PADDING, accept_hit};
+use super::node::ROOT;
 use super::packet_intersector::PacketIntersector;
 use super::ray_packet::RayPacket;
 use super::single_ray::SingleRay;
@@ -76,25 +77,20 @@ impl PacketHits {
         is_better
     }
 
-    /// Traverses what is below a child by the rays of a mask, one after the other.
+    /// Traverses the tree by the active rays, one after the other.
     #[inline(always)]
     pub(super) fn traverse_by_ray<S: Simd, const ANY_HIT: bool>(
         &mut self,
         bvh: &Bvh,
-        child: u32,
         rays: &PacketIntersector<'_, S>,
-        active: u32,
         stack: &mut Stack,
     ) {
-        for lane in SetBits(active) {
-            if self.limits[lane] < 0.0 {
-                continue;
-            }
+        for lane in rays.packet.active_lanes() {
             let ray = &rays.packet.ray(lane);
             let ray = SingleRay::<S>::new(ray, rays.setup, lane);
             let mut best = self.hit(lane);
             stack.clear();
-            traverse::<S, ANY_HIT>(bvh, &ray, child, stack, &mut best);
+            traverse::<S, ANY_HIT>(bvh, &ray, ROOT, stack, &mut best);
             self.update::<ANY_HIT>(lane, best);
         }
     }

@@ -50,7 +50,7 @@ impl Stack {
         self.len += usize::from(is_pushed);
     }
 
-    /// Pushes the children of a mask, without their distances, but for the first, which it returns.
+    /// Pushes the children of a mask, without their distances, but for the last, which it returns.
     #[inline(always)]
     pub(super) fn push(&mut self, children: &[u32; WIDTH], mut mask: u32) -> Option<u32> {
         if mask == 0 {

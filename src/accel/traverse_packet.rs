@@ -70,7 +70,7 @@ impl<const ANY_HIT: bool> WithSimd for TraversePacket<'_, ANY_HIT> {
             closest_interleaved::<S>(bvh, &rays, &mut query_state.interleaved_stacks, hits);
         } else {
             let stack = &mut query_state.stack;
-            hits.traverse_by_ray::<S, ANY_HIT>(bvh, ROOT, &rays, packet.active, stack);
+            hits.traverse_by_ray::<S, ANY_HIT>(bvh, &rays, stack);
         }
         query_state.rays += u64::from(packet.active.count_ones());
         true

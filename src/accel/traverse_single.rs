@@ -57,7 +57,7 @@ fn test_all<S: Simd, const ANY_HIT: bool>(bvh: &Bvh, ray: &SingleRay<S>, best: &
     }
 }
 
-/// Updates the best hit with all below a child.
+/// Updates the best hit with all below a child and below what the stack holds.
 #[inline(always)]
 pub(super) fn traverse<S: Simd, const ANY_HIT: bool>(
     bvh: &Bvh,
@@ -80,7 +80,7 @@ pub(super) fn traverse<S: Simd, const ANY_HIT: bool>(
                 let (near, far) = node.intersect_boxes(&ray.boxes, limit);
                 let entered = near.le(far);
                 let nearest = if ANY_HIT {
-                    // In no order: any hit ends the traversal, and sorting costs more than it saves.
+                    // In the builder's order: any hit ends the traversal, and sorting costs more than it saves.
                     stack.push(&node.children, entered)
                 } else {
                     stack.push_sorted(&near.store(), &node.children, entered)

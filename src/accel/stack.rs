@@ -56,15 +56,16 @@ impl Stack {
         if mask == 0 {
             return None;
         }
-        let first = children[(31 - mask.leading_zeros()) as usize % WIDTH];
-        mask ^= 1 << (31 - mask.leading_zeros());
+        let highest = 31 - mask.leading_zeros();
+        let last = children[highest as usize % WIDTH];
+        mask ^= 1 << highest;
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize % WIDTH;
             mask &= mask - 1;
             self.entries[self.len % STACK_SIZE] = u64::from(children[lane]);
             self.len += 1;
         }
-        Some(first)
+        Some(last)
     }
 
     /// Pushes the children of a mask, nearest last, but for the nearest, which it returns.

@@ -35,7 +35,7 @@
 //!
 //! Mispredictions are most of an incoherent ray's time: how many boxes it enters, in which order, and which triangles
 //! pass. They cannot be removed (below), only the visits that cause them. A packet of camera rays spends over half of
-//! its time on triangles, a third of that on exact distances, which no peer computes: with AVX-512 that leaves it at
+//! its time on triangles, a third of that on exact distances, which Embree does not compute: with AVX-512 that leaves it at
 //! 0.92 to 0.96 of Embree's packets of sixteen. Beyond the caches random rays wait for memory, from 10^6
 //! triangles on; scattered rays in the largest trees take turns (`traverse_interleaved`, `cargo bench --bench growth`).
 //!

@@ -92,7 +92,8 @@ pub(super) fn closest_interleaved<S: Simd>(
     }
 }
 
-/// Visits the next child; returns the one after it.
+/// Visits the next child; returns the one after it. What [`traverse`](super::traverse_single::traverse) does in a loop:
+/// sharing the step would cost every other ray 5 to 10 %.
 #[inline(always)]
 fn step<S: Simd>(bvh: &Bvh, walk: &mut Walk<S>, stack: &mut Stack) -> Option<u32> {
     let Walk { ray, best, .. } = walk;

@@ -5,19 +5,25 @@ use super::floats::Floats;
 
 /// `N` lanes in an array.
 #[derive(Clone, Copy)]
-pub(crate) struct PortableFloats<const N: usize>([f32; N]);
+pub(crate) struct PortableLanes<T, const N: usize>([T; N]);
+
+/// `N` lanes of single precision.
+pub(crate) type PortableFloats<const N: usize> = PortableLanes<f32, N>;
+
+/// `N` lanes of double precision.
+pub(crate) type PortableDoubles<const N: usize> = PortableLanes<f64, N>;
 
 /// One lane.
 pub(crate) type Scalar = PortableFloats<1>;
 
-impl<const N: usize> PortableFloats<N> {
+impl<T: Copy, const N: usize> PortableLanes<T, N> {
     #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
-        PortableFloats(std::array::from_fn(|i| f(self.0[i], other.0[i])))
+    fn zip(self, other: Self, f: impl Fn(T, T) -> T) -> Self {
+        PortableLanes(std::array::from_fn(|i| f(self.0[i], other.0[i])))
     }
 
     #[inline(always)]
-    fn compare(self, other: Self, f: impl Fn(f32, f32) -> bool) -> u32 {
+    fn compare(self, other: Self, f: impl Fn(T, T) -> bool) -> u32 {
         (0..N).fold(0, |bits, i| bits | u32::from(f(self.0[i], other.0[i])) << i)
     }
 }
@@ -25,12 +31,12 @@ impl<const N: usize> PortableFloats<N> {
 impl PortableFloats<8> {
     #[inline(always)]
     pub(super) fn transpose(rows: [Self; 8]) -> [Self; 8] {
-        std::array::from_fn(|column| PortableFloats(rows.map(|row| row.0[column])))
+        std::array::from_fn(|column| PortableLanes(rows.map(|row| row.0[column])))
     }
 
     #[inline(always)]
     pub(super) fn join(low: Self, high: Self) -> PortableFloats<16> {
-        PortableFloats(std::array::from_fn(|i| {
+        PortableLanes(std::array::from_fn(|i| {
             if i < 8 { low.0[i] } else { high.0[i - 8] }
         }))
     }
@@ -39,11 +45,11 @@ impl PortableFloats<8> {
 impl<const N: usize> Floats<N> for PortableFloats<N> {
     #[inline(always)]
     fn splat(value: f32) -> Self {
-        PortableFloats([value; N])
+        PortableLanes([value; N])
     }
     #[inline(always)]
     fn load(lanes: &[f32; N]) -> Self {
-        PortableFloats(*lanes)
+        PortableLanes(*lanes)
     }
     #[inline(always)]
     fn store(self) -> [f32; N] {
@@ -103,7 +109,7 @@ impl<const N: usize> Floats<N> for PortableFloats<N> {
             true => yes.0[i],
             false => no.0[i],
         };
-        PortableFloats(std::array::from_fn(select))
+        PortableLanes(std::array::from_fn(select))
     }
     #[inline(always)]
     fn lt(self, other: Self) -> u32 {
@@ -115,39 +121,23 @@ impl<const N: usize> Floats<N> for PortableFloats<N> {
     }
 }
 
-/// `N` lanes of double precision in an array.
-#[derive(Clone, Copy)]
-pub(crate) struct PortableDoubles<const N: usize>([f64; N]);
-
 /// One lane of double precision.
 pub(crate) type ScalarDouble = PortableDoubles<1>;
-
-impl<const N: usize> PortableDoubles<N> {
-    #[inline(always)]
-    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
-        PortableDoubles(std::array::from_fn(|i| f(self.0[i], other.0[i])))
-    }
-
-    #[inline(always)]
-    fn compare(self, other: Self, f: impl Fn(f64, f64) -> bool) -> u32 {
-        (0..N).fold(0, |bits, i| bits | u32::from(f(self.0[i], other.0[i])) << i)
-    }
-}
 
 impl<const N: usize> Doubles<N> for PortableDoubles<N> {
     type Floats = PortableFloats<N>;
 
     #[inline(always)]
     fn splat(value: f64) -> Self {
-        PortableDoubles([value; N])
+        PortableLanes([value; N])
     }
     #[inline(always)]
     fn widen(floats: PortableFloats<N>) -> Self {
-        PortableDoubles(floats.0.map(f64::from))
+        PortableLanes(floats.0.map(f64::from))
     }
     #[inline(always)]
     fn load(lanes: &[f64; N]) -> Self {
-        PortableDoubles(*lanes)
+        PortableLanes(*lanes)
     }
     #[inline(always)]
     fn store(self) -> [f64; N] {
@@ -175,7 +165,7 @@ impl<const N: usize> Doubles<N> for PortableDoubles<N> {
     }
     #[inline(always)]
     fn round_for_order(self) -> Self {
-        PortableDoubles(self.0.map(|t| f64::from_bits(t.to_bits() & ORDERED_BITS)))
+        PortableLanes(self.0.map(|t| f64::from_bits(t.to_bits() & ORDERED_BITS)))
     }
     #[inline(always)]
     fn lt(self, other: Self) -> u32 {

@@ -90,6 +90,12 @@ impl BinaryNode {
     }
 }
 
+/// The nodes of a pair.
+#[inline(always)]
+pub(super) fn pair_of(nodes: &[BinaryNode], pair: u32) -> &[BinaryNode; 2] {
+    &nodes.as_chunks().0[pair as usize]
+}
+
 /// Half the surface area of a box that is not empty; at most the largest number.
 #[inline(always)]
 pub(super) fn half_area(min: Vec4, max: Vec4) -> f32 {

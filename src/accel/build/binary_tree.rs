@@ -1,7 +1,7 @@
 //! The binary tree, built top down: Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies".
 
 use super::super::constants::MAX_DEPTH;
-use super::binary_node::{BinaryNode, Content};
+use super::binary_node::{BinaryNode, Content, pair_of};
 use super::primitive_ref::{Extent, PrimitiveRef};
 use super::split::split;
 use crate::math::Aabb;
@@ -65,7 +65,7 @@ impl BinaryTree {
 
     /// The two children of an inner node.
     pub(super) fn pair(&self, pair: u32) -> &[BinaryNode; 2] {
-        &self.nodes.as_chunks().0[pair as usize]
+        pair_of(&self.nodes, pair)
     }
 
     /// The references of a leaf.

@@ -3,7 +3,7 @@
 //! Reinsertion for Bounding Volume Hierarchy Optimization".
 
 use super::super::constants::MAX_DEPTH;
-use super::binary_node::{BinaryNode, Content};
+use super::binary_node::{BinaryNode, Content, pair_of};
 use rayon::prelude::*;
 use std::collections::BinaryHeap;
 
@@ -67,7 +67,7 @@ impl LinkedTree {
     }
 
     fn pair(&self, pair: u32) -> &[BinaryNode; 2] {
-        &self.nodes.as_chunks().0[pair as usize]
+        pair_of(&self.nodes, pair)
     }
 
     /// The parent of a node other than the root.

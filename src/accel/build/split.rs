@@ -22,7 +22,6 @@ pub(super) fn split(references: &mut [PrimitiveRef], extent: Extent, by_sah: boo
     // Few references need few bins: sweeping over them would cost more than sorting into them.
     let plane = match references.len() {
         _ if !by_sah => None,
-
         0..16 => best_plane::<4>(references, &extent),
         16..256 => best_plane::<8>(references, &extent),
         _ => best_plane::<MAX_BINS>(references, &extent),

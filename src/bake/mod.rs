@@ -21,7 +21,7 @@ mod validation;
 
 use crate::camera::CameraPath;
 use crate::irradiance_cache::IrradianceCache;
-use crate::render::{ErrorEstimate, PixelSampling, RenderSettings};
+use crate::render::{ErrorEstimate, RenderSettings};
 use crate::scene::Scene;
 use bake_state::GATHERED;
 pub use bake_state::{BakeState, Listener};
@@ -38,16 +38,15 @@ pub struct Baked {
     pub cache: IrradianceCache,
     /// The cache error of each frame of the path; empty if there are no bounces.
     pub errors: Vec<ErrorEstimate>,
-    /// Whether the upper 95 % bound of the cache error is within its part of the target error: half, or all where
-    /// camera samples have no noise. True without a target.
+    /// Whether the upper 95 % bound of the cache error is within its part of the target error, half. True without a
+    /// target.
     pub reaches_target: bool,
 }
 
 /// Bakes the irradiance cache for all frames of a path, called `name`, of these settings, on the threads of the
 /// current pool. A given state, of the same scene and settings, is extended by what this path lacks.
 ///
-/// Of a target error the cache may take up half, or all where camera samples have no error. If it takes up more,
-/// the cache is refined, unless a state is given: that holds the records of other paths, too.
+/// Of a target error the cache may take up half. If it takes up more, the cache is refined, unless a state is given: that holds the records of other paths, too.
 pub fn bake(
     scene: &Scene,
     path: &CameraPath,
@@ -93,11 +92,7 @@ pub fn bake_with_room<E>(
             }
         };
         let reaches_target = settings.target_error.is_none_or(|target| {
-            let fraction = match settings.sampling {
-                PixelSampling::Spread(_) => 0.5,
-                PixelSampling::Center | PixelSampling::Corners => 1.0,
-            };
-            let is_low = |error: &ErrorEstimate| error.interval()[1] <= fraction * target;
+            let is_low = |error: &ErrorEstimate| error.interval()[1] <= 0.5 * target;
             errors.iter().all(is_low)
         });
         if reaches_target || is_given || state.refinement_level() == BakeState::MAX_REFINEMENT {

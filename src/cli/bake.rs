@@ -101,8 +101,8 @@ fn summary(baked: &Baked) -> String {
     let megabytes = baked.cache.memory() as f64 / 1e6;
     let mut summary =
         format!("  {primary} primary, {secondary} secondary records, {megabytes:.1} MB in memory");
-    let errors: Vec<_> = (0..).zip(baked.errors.iter().copied()).collect();
-    if let Some(errors) = error_summary(&errors, "around") {
+    let errors = (0..).zip(baked.errors.iter().copied());
+    if let Some(errors) = error_summary(errors, "around") {
         summary += &format!("\n  cache error (relMSE) {errors}");
     }
     summary

@@ -7,13 +7,13 @@ use std::io;
 /// The chart as the text of an SVG file.
 pub(super) fn error_chart(frames: &[FrameRecord]) -> io::Result<Option<String>> {
     let point = |record: &FrameRecord| {
-        let error = record.error?;
-        Some(Point {
+        let error = record.error;
+        Point {
             x: f64::from(record.frame),
             y: error.rel_mse,
             low: error.low,
             high: error.high,
-        })
+        }
     };
     let axis = |label: &str| Axis {
         label: label.to_owned(),
@@ -25,7 +25,7 @@ pub(super) fn error_chart(frames: &[FrameRecord]) -> io::Result<Option<String>> 
         y: axis("relMSE"),
         series: vec![Series {
             name: String::new(),
-            points: frames.iter().filter_map(point).collect(),
+            points: frames.iter().map(point).collect(),
         }],
         guides: Vec::new(),
         size: (720, 240),

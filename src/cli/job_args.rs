@@ -2,7 +2,7 @@
 
 use super::values::{AovArgument, FormatArgument, parse_size, parse_threads};
 use crate::frames::{FrameFolder, FrameFormat};
-use crate::input::{GlobalIllumination, Mode, Settings};
+use crate::input::{GlobalIllumination, Mode, Samples, Settings};
 use crate::job::{Job, JobError, JobOptions, Spec};
 use clap::Args;
 use std::num::NonZeroUsize;
@@ -121,10 +121,12 @@ pub(super) struct SettingsArguments {
     /// Columns and rows, as in 1280x720 [default: 1280x720]
     #[arg(short, long, value_name = "WxH", value_parser = parse_size)]
     size: Option<(u32, u32)>,
-    /// Camera samples of each pixel, stratified over its square [default: 1 in its middle, or 4 in its corners in the
-    /// supersampling modes]
+    /// Camera samples of each pixel: a number, stratified over its square, center for one in its middle, or corners for
+    /// four in its corners that neighbours share [default: center in raytracing; else as many as it takes, where they
+    /// are needed, for a relMSE of 0.0002, or 0.001 where light is
+    /// path-traced; the error of an irradiance cache comes to it]
     #[arg(long, value_name = "N")]
-    samples: Option<u32>,
+    samples: Option<Samples>,
     /// Mirror reflections; in the montecarlo modes all bounces [default: 4]
     #[arg(long, value_name = "N")]
     bounces: Option<u32>,
@@ -141,8 +143,9 @@ pub(super) struct SettingsArguments {
     /// Exposure in stops: +1 doubles the light of PNG frames; EXR is not exposed [default: 0]
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     exposure: Option<f32>,
-    /// Adaptive sampling in the montecarlo modes: stop when the upper 95 % bound of the frame's estimated relMSE is
-    /// below X. Noise is just visible at 0.01, and hardly at 0.001 [default: the samples given]
+    /// Add samples where they are needed until the upper 95 % bound of the frame's whole relMSE, edges, textures, noise
+    /// and irradiance cache, is below X. Noise is just visible at 0.01, and hardly at 0.001; edges are smooth at 0.0002
+    /// [default: as --samples says]
     #[arg(long, value_name = "X")]
     target_error: Option<f64>,
     /// Indirect diffuse light in the montecarlo modes: path-traced for each camera sample, or cached: an irradiance

@@ -101,7 +101,11 @@ pub(super) fn complain(error: impl fmt::Display) {
 
 /// The mean and the worst of the errors of frames; none where there are none. `place` is the relation of an error to its
 /// frame, as in "in".
-pub(super) fn error_summary(errors: &[(u32, ErrorEstimate)], place: &str) -> Option<String> {
+pub(super) fn error_summary(
+    errors: impl Iterator<Item = (u32, ErrorEstimate)>,
+    place: &str,
+) -> Option<String> {
+    let errors: Vec<(u32, ErrorEstimate)> = errors.collect();
     let error = |(_, error): &(u32, ErrorEstimate)| error.rel_mse;
     let worst = errors.iter().max_by(|a, b| error(a).total_cmp(&error(b)))?;
     let mean = errors.iter().map(error).sum::<f64>() / errors.len() as f64;

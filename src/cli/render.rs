@@ -15,7 +15,7 @@ use crate::camera::FrameCameras;
 use crate::camera_formats::camera_table;
 use crate::frames::{FrameFolder, Manifest, VerifyError, write_contact_sheet};
 use crate::job::{Job, KeepCache, SavedEstimate, Spec, choose_samples_for_budget};
-use crate::render::{ErrorEstimate, Outcome};
+use crate::render::{FrameErrorEstimate, Outcome};
 use crate::sampling::van_der_corput_order;
 use crate::storage::Folder;
 use clap::Args;
@@ -370,8 +370,16 @@ fn summarise(outcome: &Outcome, elapsed: Duration, there: u32, folder: &FrameFol
         if outcome.stopped { ", interrupted" } else { "" },
         folder.path().display()
     ));
-    if let Some(errors) = error_summary(&outcome.errors, "in") {
-        say(format_args!("error (relMSE) {errors}"));
+    let errors = || outcome.errors.iter().copied();
+    if let Some(whole) = error_summary(errors().map(|(frame, error)| (frame, error.whole)), "in") {
+        let largest =
+            |of: fn(FrameErrorEstimate) -> f64| errors().map(|(_, e)| of(e)).fold(0.0, f64::max);
+        say(format_args!("error (relMSE) {whole}"));
+        say(format_args!(
+            "  worst 8x8 block of a frame {:.2e}, blurred over 8x8 pixels at most {:.2e}",
+            largest(|error| error.worst_block),
+            largest(|error| error.blurred)
+        ));
     }
 }
 
@@ -385,7 +393,7 @@ fn shortcomings(outcome: &Outcome, target_error: Option<f64>) -> Vec<String> {
         ));
     }
     if let Some(target) = target_error {
-        let reaches = |error: &ErrorEstimate| error.interval()[1] <= target;
+        let reaches = |error: &FrameErrorEstimate| error.whole.interval()[1] <= target;
         let count = outcome.errors.iter().filter(|(_, e)| !reaches(e)).count();
         if count > 0 {
             warnings.push(format!("{count} frames stayed above the error of {target}"));

@@ -43,7 +43,7 @@ struct State<'a> {
     current: usize,
     /// All others, as in 0,3-5.
     missing: String,
-    /// The largest relMSE in the metadata of frames; none where they have no noise.
+    /// The largest relMSE in the metadata of frames; none where there are none.
     worst_error: Option<f64>,
 }
 
@@ -57,7 +57,7 @@ pub(super) fn run(arguments: &StatusArguments) -> Result<Status, Failure> {
             None => missing.push(frame),
         }
     }
-    let errors = current.iter().filter_map(|record| record.error);
+    let errors = current.iter().map(|record| record.error);
     let format = sequence.format.to_string();
     let build = visible(&sequence.build);
     let state = State {

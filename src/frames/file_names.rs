@@ -33,7 +33,7 @@ pub(super) const ESTIMATE_FILE: &str = "estimate.ron";
 pub(super) const CACHE_FILE: &str = "irradiance.cache";
 
 /// The first row of the table of errors.
-pub(super) const ERROR_TABLE_HEADER: &str = "frame,relMSE,low,high\n";
+pub(super) const ERROR_TABLE_HEADER: &str = "frame,relMSE,low,high,worst_block,blurred\n";
 
 /// The most bytes that the program reads of a text file that it wrote: three million frames take less.
 pub(super) const MAX_TEXT: u64 = 1 << 28;

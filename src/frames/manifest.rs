@@ -4,7 +4,7 @@ use super::file_names::{
     ERROR_CHART, ERROR_TABLE, ERROR_TABLE_HEADER, MANIFEST_FILE, MAX_TEXT, is_own,
 };
 use super::folder::FrameFolder;
-use super::record::FrameRecord;
+use super::record::{FrameError, FrameRecord};
 use crate::storage::{FileError, Folder, WaitListener};
 use serde::Serialize;
 use std::io;
@@ -38,8 +38,8 @@ impl Manifest {
         there.is_some() && there == Manifest::of(folder).to_text().ok()
     }
 
-    /// Writes `manifest.ron` and, if any frame has an error, `errors.csv` and `errors.svg`: the text that `chart`
-    /// makes of the records, in the order of their frames. Otherwise, or without a text, there are no such files.
+    /// Writes `manifest.ron`, `errors.csv` and `errors.svg`: the text that `chart` makes of the records, in the order of
+    /// their frames. Without a text there is no such file.
     ///
     /// Processes that do so at the same time take turns, each after its own frames: the last one has seen all of them.
     /// The listener hears of a process that is waited for.
@@ -68,33 +68,32 @@ impl Manifest {
         let text = self.to_text().map_err(io::Error::other);
         let text = text.map_err(|error| FileError::writing(&folder.file(MANIFEST_FILE), error))?;
         folder.write_atomic(MANIFEST_FILE, text.as_bytes())?;
-        let has_errors = self.frames.iter().any(|record| record.error.is_some());
-        let table = has_errors.then(|| self.table());
-        let drawn = if has_errors {
-            let chart = chart(&self.frames);
-            chart.map_err(|error| FileError::writing(&folder.file(ERROR_CHART), error))?
-        } else {
-            None
-        };
-        for (name, text) in [(ERROR_TABLE, table), (ERROR_CHART, drawn)] {
-            match text {
-                Some(text) => folder.write_atomic(name, text.as_bytes())?,
-                // Of another mode than this sequence's.
-                None if is_own(folder, name) => folder.remove(name)?,
-                None => {}
-            }
+        folder.write_atomic(ERROR_TABLE, self.table().as_bytes())?;
+        let drawn = chart(&self.frames)
+            .map_err(|error| FileError::writing(&folder.file(ERROR_CHART), error))?;
+        match drawn {
+            Some(text) => folder.write_atomic(ERROR_CHART, text.as_bytes()),
+            // Of another build than this, which draws none.
+            None if is_own(folder, ERROR_CHART) => folder.remove(ERROR_CHART),
+            None => Ok(()),
         }
-        Ok(())
     }
 
-    /// The errors as comma-separated values, a row for each frame that has one.
+    /// The errors as comma-separated values, a row for each frame.
     fn table(&self) -> String {
         let mut table = ERROR_TABLE_HEADER.to_owned();
         for record in &self.frames {
-            if let Some(error) = record.error {
-                let (y, low, high) = (error.rel_mse, error.low, error.high);
-                table += &format!("{},{y:e},{low:e},{high:e}\n", record.frame);
-            }
+            let FrameError {
+                rel_mse,
+                low,
+                high,
+                worst_block,
+                blurred,
+            } = record.error;
+            table += &format!(
+                "{},{rel_mse:e},{low:e},{high:e},{worst_block:e},{blurred:e}\n",
+                record.frame
+            );
         }
         table
     }

@@ -1,6 +1,6 @@
 //! The record of a frame, which is the metadata of its file.
 
-use crate::render::ErrorEstimate;
+use crate::render::FrameErrorEstimate;
 use serde::{Deserialize, Serialize};
 
 /// What a frame is made from, a hash of its pixels, and its error; the metadata of the frame's file.
@@ -15,11 +15,11 @@ pub struct FrameRecord {
     pub input_hash: String,
     /// A hash of the file's pixels.
     pub pixel_hash: String,
-    /// Its estimated error; none where the frame has no Monte Carlo noise.
-    pub error: Option<FrameError>,
+    /// Its estimated error.
+    pub error: FrameError,
 }
 
-/// The error of a frame, as [`ErrorEstimate`] defines it, to five digits.
+/// The error of a frame, as [`FrameErrorEstimate`] defines it, to five digits.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Error")]
 pub struct FrameError {
@@ -29,6 +29,10 @@ pub struct FrameError {
     pub low: f64,
     /// Upper end of the 95 % confidence interval.
     pub high: f64,
+    /// relMSE of the worst block of 8 x 8 pixels.
+    pub worst_block: f64,
+    /// relMSE after each such block is replaced by its mean.
+    pub blurred: f64,
 }
 
 impl FrameRecord {
@@ -47,13 +51,15 @@ impl FrameRecord {
     }
 }
 
-impl From<ErrorEstimate> for FrameError {
-    fn from(error: ErrorEstimate) -> FrameError {
-        let [low, high] = error.interval().map(five_digits);
+impl From<FrameErrorEstimate> for FrameError {
+    fn from(error: FrameErrorEstimate) -> FrameError {
+        let [low, high] = error.whole.interval().map(five_digits);
         FrameError {
-            rel_mse: five_digits(error.rel_mse),
+            rel_mse: five_digits(error.whole.rel_mse),
             low,
             high,
+            worst_block: five_digits(error.worst_block),
+            blurred: five_digits(error.blurred),
         }
     }
 }
@@ -65,25 +71,27 @@ fn five_digits(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::ErrorEstimate;
 
     #[test]
     fn metadata_gives_back_the_record() {
-        let estimate = ErrorEstimate {
-            rel_mse: 0.001_234_567,
-            standard_error: 1e-5,
+        let error = FrameError::from(FrameErrorEstimate {
+            whole: ErrorEstimate {
+                rel_mse: 0.001_234_567,
+                standard_error: 1e-5,
+            },
+            worst_block: 0.1,
+            blurred: 1e-6,
+        });
+        let record = FrameRecord {
+            frame: 7,
+            build: "0123".to_owned(),
+            input_hash: "ab".to_owned(),
+            pixel_hash: "cd".to_owned(),
+            error,
         };
-        for error in [None, Some(estimate)] {
-            let record = FrameRecord {
-                frame: 7,
-                build: "0123".to_owned(),
-                input_hash: "ab".to_owned(),
-                pixel_hash: "cd".to_owned(),
-                error: error.map(FrameError::from),
-            };
-            let text = record.to_text().expect("plain numbers");
-            assert_eq!(FrameRecord::from_text(&text), Some(record), "{text}");
-        }
-        let error = FrameError::from(estimate);
+        let text = record.to_text().expect("plain numbers");
+        assert_eq!(FrameRecord::from_text(&text), Some(record), "{text}");
         assert_eq!(error.rel_mse, 0.001_234_6);
         assert_eq!([error.low, error.high], [0.001_215, 0.001_254_2]);
         for other in ["Software", "", "Frame(frame:7) ab"] {

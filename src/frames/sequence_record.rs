@@ -74,7 +74,7 @@ impl SequenceRecord {
         if self.format != FrameFormat::Exr {
             film.expose(self.exposure);
         }
-        let error = error.map(FrameError::from);
+        let error = FrameError::from(error);
         let encode = |format: FrameFormat, film: &Film| -> Result<Vec<u8>, SinkError> {
             let pixels = format.encode_pixels(film);
             let record = FrameRecord {

@@ -5,7 +5,9 @@ use super::format::FrameFormat;
 use super::verify::VerifyError;
 use super::{FolderError, FrameFolder, SequenceRecord};
 use crate::film::Film;
-use crate::render::{Claim, ErrorEstimate, FrameSink, RenderedFrame, SinkError};
+use crate::render::{
+    Claim, ErrorEstimate, FrameErrorEstimate, FrameSink, RenderedFrame, SinkError,
+};
 use crate::storage::fixtures::names;
 use glam::Vec3;
 use ron::value::RawValue;
@@ -38,10 +40,14 @@ fn rendered(light: f32) -> RenderedFrame {
     RenderedFrame {
         film: Film::from_pixels(4, 2, vec![Vec3::splat(light); 8]),
         half_difference: Some(Film::from_pixels(4, 2, vec![Vec3::splat(-0.1); 8])),
-        error: Some(ErrorEstimate {
-            rel_mse: 0.001,
-            standard_error: 0.0001,
-        }),
+        error: FrameErrorEstimate {
+            whole: ErrorEstimate {
+                rel_mse: 0.001,
+                standard_error: 0.0001,
+            },
+            worst_block: 0.01,
+            blurred: 0.0001,
+        },
         rays: 0,
         non_finite_samples: 0,
     }

@@ -18,7 +18,10 @@ impl Settings {
     pub fn ignored(&self, frames: u32) -> Vec<IgnoredSetting> {
         let mode = self.mode.unwrap_or_default();
         let resolved = self.resolve(frames);
-        let is_random = matches!(resolved.sampling, PixelSampling::Spread(_));
+        let is_random = !matches!(
+            resolved.sampling,
+            PixelSampling::Center | PixelSampling::Corners
+        );
         let mut ignored = Vec::new();
         let mut ignore = |key, is_given: bool, reason: String| {
             if is_given {
@@ -94,6 +97,7 @@ impl Settings {
 
 #[cfg(test)]
 mod tests {
+    use super::super::samples::Samples;
     use super::super::technique::GlobalIllumination::{Cached, PathTraced};
     use super::super::technique::Mode::{self, Montecarlo, Raytracing, Supersampling};
     use super::*;
@@ -123,9 +127,13 @@ mod tests {
     #[test]
     fn each_mode_ignores_what_it_does_not_use() {
         for mode in [None, Some(Raytracing), Some(Supersampling)] {
-            assert_eq!(keys(&all(mode)), ["splits", "gi", "seed", "lock_seed"]);
+            let center = Settings {
+                samples: Some(Samples::Center),
+                ..all(mode)
+            };
+            assert_eq!(keys(&center), ["splits", "gi", "seed", "lock_seed"]);
             let spread = Settings {
-                samples: Some(9),
+                samples: Some(Samples::Spread(9)),
                 ..all(mode)
             };
             assert_eq!(keys(&spread), ["splits", "gi"]);

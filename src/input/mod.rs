@@ -14,6 +14,7 @@ mod obj;
 mod obj_check;
 mod obj_signature;
 pub(crate) mod ron_file;
+mod samples;
 mod scene_file;
 mod scene_loader;
 mod settings_file;
@@ -25,6 +26,9 @@ mod unused;
 pub use error::InputError;
 pub use files::InputFiles;
 pub use ignored_settings::{IgnoredSetting, ignored_settings};
+pub use samples::Samples;
 pub use scene_loader::{SceneInput, load_scene};
-pub use settings_file::{MIN_TARGET_ERROR, Settings, SettingsError};
+pub use settings_file::{
+    DEFAULT_ERROR, DEFAULT_PATH_TRACED_ERROR, MIN_TARGET_ERROR, Settings, SettingsError,
+};
 pub use technique::{GlobalIllumination, Mode};

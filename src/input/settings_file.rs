@@ -1,5 +1,6 @@
 //! Render settings as scene files, path files and the command line give them.
 
+use super::samples::Samples;
 use super::technique::{GlobalIllumination, Mode};
 use crate::integrator::IntegratorSettings;
 use crate::render::{PixelSampling, RenderSettings};
@@ -16,9 +17,9 @@ pub struct Settings {
     /// Columns and rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub size: Option<(u32, u32)>,
-    /// Camera samples per pixel, stratified over its square.
+    /// The camera samples of each pixel.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub samples: Option<u32>,
+    pub samples: Option<Samples>,
     /// The largest number of bounces of a path.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bounces: Option<u32>,
@@ -34,7 +35,7 @@ pub struct Settings {
     /// Exposure, in stops.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub exposure: Option<f32>,
-    /// Adaptive sampling: samples are added until a frame's estimated relMSE is below this.
+    /// Samples are added until a frame's estimated relMSE, that of an irradiance cache included, is below this.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target_error: Option<f64>,
     /// How indirect diffuse light is computed.
@@ -56,6 +57,13 @@ const PREVIEW_COLUMNS: u32 = 320;
 
 /// The smallest target error.
 pub const MIN_TARGET_ERROR: f64 = 1e-6;
+
+/// The relMSE that camera samples may leave where nothing says how many there are, unless light is path traced: edges
+/// are smooth. Not in raytracing, which has one ray a pixel by definition.
+pub const DEFAULT_ERROR: f64 = 2e-4;
+
+/// The same where light is path traced: noise is hardly visible.
+pub const DEFAULT_PATH_TRACED_ERROR: f64 = 1e-3;
 
 /// A setting that is out of range or does not go with another.
 #[derive(Debug, Error, PartialEq)]
@@ -131,7 +139,7 @@ impl Settings {
                 return Err(SettingsError { key, message });
             }
         }
-        if let Some(samples) = self.samples {
+        if let Some(Samples::Spread(samples)) = self.samples {
             within("samples", samples, 1, 1 << 20)?;
         }
         if let Some(bounces) = self.bounces {
@@ -174,18 +182,20 @@ impl Settings {
     /// Checks that settings go together, once all sources are combined.
     pub fn check_together(&self) -> Result<(), SettingsError> {
         let mode = self.mode.unwrap_or_default();
-        let has_noise = matches!(mode, Mode::Montecarlo | Mode::MontecarloSupersampling);
-        if self.target_error.is_some() && !has_noise {
+        let has_indirect = matches!(mode, Mode::Montecarlo | Mode::MontecarloSupersampling);
+        if self.target_error.is_some()
+            && let Some(samples @ (Samples::Center | Samples::Corners)) = self.samples
+        {
             return Err(SettingsError {
                 key: "target_error",
                 message: format!(
-                    "{mode} has no Monte Carlo noise to reduce; choose a montecarlo mode"
+                    "{samples} cannot be refined; leave out samples, or give a number"
                 ),
             });
         }
         if self.gi == Some(GlobalIllumination::Cached) {
             let wrong = |message: String| SettingsError { key: "gi", message };
-            if !has_noise {
+            if !has_indirect {
                 return Err(wrong(format!(
                     "{mode} has no indirect light to cache; choose a montecarlo mode"
                 )));
@@ -210,8 +220,8 @@ impl Settings {
     }
 
     /// The settings of frames in a sequence of `frames`, with defaults for what nothing says: raytracing, 1280 x 720,
-    /// 4 bounces, 32 paths from the first diffuse bounce, seed 0; for indirect light see
-    /// [`Settings::global_illumination`].
+    /// 4 bounces, 32 paths from the first diffuse bounce, seed 0; as many samples as [`DEFAULT_ERROR`] or
+    /// [`DEFAULT_PATH_TRACED_ERROR`] takes, in raytracing one in the middle of each pixel; for indirect light see [`Settings::global_illumination`].
     pub fn resolve(&self, frames: u32) -> RenderSettings {
         let mode = self.mode.unwrap_or_default();
         let (width, height) = self.size.unwrap_or(SIZE);
@@ -224,10 +234,16 @@ impl Settings {
             },
             (_, GlobalIllumination::Cached) => IntegratorSettings::Cached { bounces },
         };
-        let sampling = match (self.samples, mode) {
-            (Some(count), _) => PixelSampling::Spread(count),
-            (None, Mode::Supersampling | Mode::MontecarloSupersampling) => PixelSampling::Corners,
-            (None, Mode::Raytracing | Mode::Montecarlo) => PixelSampling::Center,
+        let sampling = match (self.samples, self.target_error, mode) {
+            (Some(samples), ..) => samples.into(),
+            (None, Some(_), _) => PixelSampling::Spread(1),
+            (None, None, Mode::Raytracing) => PixelSampling::Center,
+            (None, None, _) => PixelSampling::Adaptive(match integrator {
+                IntegratorSettings::PathTraced { .. } => DEFAULT_PATH_TRACED_ERROR,
+                IntegratorSettings::Whitted { .. } | IntegratorSettings::Cached { .. } => {
+                    DEFAULT_ERROR
+                }
+            }),
         };
         RenderSettings {
             sampling,
@@ -247,11 +263,11 @@ mod tests {
     #[test]
     fn the_stronger_source_wins_setting_by_setting() {
         let flags = Settings {
-            samples: Some(4),
+            samples: Some(Samples::Spread(4)),
             ..Settings::default()
         };
         let file = Settings {
-            samples: Some(9),
+            samples: Some(Samples::Spread(9)),
             mode: Some(Mode::MontecarloSupersampling),
             bounces: Some(2),
             ..Settings::default()
@@ -264,6 +280,46 @@ mod tests {
             IntegratorSettings::PathTraced { bounces: 2, splits }
         );
         assert_eq!((resolved.width, resolved.height), (1280, 720));
+    }
+
+    #[test]
+    fn samples_are_as_many_as_it_takes_but_in_raytracing() {
+        let sampling = |mode: Mode, samples, target_error, frames| {
+            let settings = Settings {
+                mode: Some(mode),
+                samples,
+                target_error,
+                ..Settings::default()
+            };
+            assert_eq!(settings.check_together(), Ok(()));
+            settings.resolve(frames).sampling
+        };
+        use PixelSampling::{Adaptive, Center, Corners, Spread};
+        assert_eq!(sampling(Mode::Raytracing, None, None, 9), Center);
+        assert_eq!(sampling(Mode::Raytracing, None, Some(0.1), 9), Spread(1));
+        assert_eq!(
+            sampling(Mode::Supersampling, None, None, 9),
+            Adaptive(DEFAULT_ERROR)
+        );
+        assert_eq!(
+            sampling(Mode::Montecarlo, None, None, 9),
+            Adaptive(DEFAULT_ERROR)
+        );
+        let of_still = Adaptive(DEFAULT_PATH_TRACED_ERROR);
+        assert_eq!(sampling(Mode::Montecarlo, None, None, 1), of_still);
+        let corners = Some(Samples::Corners);
+        assert_eq!(sampling(Mode::Montecarlo, corners, None, 9), Corners);
+        for samples in [Samples::Corners, Samples::Center] {
+            let settings = Settings {
+                samples: Some(samples),
+                target_error: Some(0.1),
+                ..Settings::default()
+            };
+            assert_eq!(
+                settings.check_together().map_err(|e| e.key),
+                Err("target_error")
+            );
+        }
     }
 
     #[test]
@@ -314,7 +370,7 @@ mod tests {
         let settings = Settings {
             mode: Some(Mode::MontecarloSupersampling),
             size: Some((1000, 4001)),
-            samples: Some(64),
+            samples: Some(Samples::Spread(64)),
             bounces: Some(7),
             splits: Some(vec![8]),
             target_error: Some(0.01),

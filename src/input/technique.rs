@@ -8,15 +8,15 @@ use std::str::FromStr;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Mode {
-    /// Whitted ray tracing: direct light, a constant ambient term and mirror reflection; one sample at the pixel's
-    /// centre.
+    /// Whitted ray tracing: direct light, a constant ambient term and mirror reflection; one sample in the middle of the
+    /// pixel.
     #[default]
     Raytracing,
-    /// As `Raytracing`, with four samples in the pixel's corners.
+    /// As `Raytracing`, with samples all over the pixel, as many as it takes.
     Supersampling,
-    /// Global illumination: indirect diffuse light by Monte Carlo integration; one sample at the pixel's centre.
+    /// Global illumination: indirect diffuse light by Monte Carlo integration; samples as in `Supersampling`.
     Montecarlo,
-    /// As `Montecarlo`, with four samples in the pixel's corners.
+    /// Another name of `Montecarlo`, since that is supersampled, too.
     MontecarloSupersampling,
 }
 

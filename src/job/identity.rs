@@ -5,7 +5,7 @@ use super::inputs::Inputs;
 use crate::camera::Camera;
 use crate::frames::FrameFormat;
 use crate::integrator::IntegratorSettings;
-use crate::render::{PixelSampling, RenderSettings};
+use crate::render::RenderSettings;
 use serde_json::{Map, Value, json};
 
 /// The build of the program: a hash of the code and the libraries that decide pixels, the same for debug, release and
@@ -75,8 +75,7 @@ pub(super) fn cache_hash(inputs: &Inputs, settings: &RenderSettings, build: &str
     }
     // Only where the error decides on refinement what it is measured by does, too.
     if let Some(target) = settings.target_error {
-        let is_spread = matches!(settings.sampling, PixelSampling::Spread(_));
-        data["target"] = json!([target, settings.display_white, is_spread]);
+        data["target"] = json!([target, settings.display_white]);
     }
     blake3::hash(data.to_string().as_bytes())
 }

@@ -9,7 +9,7 @@ use super::spec::{Spec, is_same};
 use crate::bake::{Baked, CacheFile, CacheFileError, Listener};
 use crate::forecast::Workload;
 use crate::frames::{FrameFolder, SequenceRecord, is_name_of_frames};
-use crate::input::{GlobalIllumination, Mode, Settings};
+use crate::input::{GlobalIllumination, Mode, Samples, Settings};
 use crate::integrator::IntegratorSettings;
 use crate::memory::check_room;
 use crate::render::{
@@ -76,10 +76,10 @@ impl Job {
             "choose a lower fps, or split the path",
         )?;
         let opened_cache = open_cache(&spec, folder, &inputs, &settings, options)?;
-        if spec.error_maps && !settings.has_noise() {
+        if spec.error_maps && !settings.has_half_buffers() {
             let advice = match opened_cache {
-                Some(_) => "take more camera samples, or --gi path-traced",
-                None => "choose a montecarlo mode",
+                Some(_) => "take more camera samples, or give --target-error",
+                None => "give --target-error, or choose another mode",
             };
             return Err(JobError::NoNoise { advice });
         }
@@ -168,7 +168,7 @@ impl Job {
     /// Sets the camera samples of each pixel, in the settings and in the spec.
     pub fn set_samples(&mut self, samples: u32) {
         self.settings.sampling = PixelSampling::Spread(samples);
-        self.spec.settings.samples = Some(samples);
+        self.spec.settings.samples = Some(Samples::Spread(samples));
     }
 
     /// Sets the sampling of each pixel, and drops the choice from the spec.

@@ -144,7 +144,7 @@ fn relative(file: &Path, folder: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::input::{GlobalIllumination, Mode};
+    use crate::input::{GlobalIllumination, Mode, Samples};
 
     #[test]
     fn names_from_a_folder_lead_back() {
@@ -171,7 +171,7 @@ mod tests {
             settings: Settings {
                 mode: Some(Mode::MontecarloSupersampling),
                 size: Some((64, 48)),
-                samples: Some(3),
+                samples: Some(Samples::Spread(3)),
                 splits: Some(vec![8, 2]),
                 exposure: Some(-0.5),
                 target_error: Some(1e-3),

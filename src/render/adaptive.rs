@@ -1,77 +1,211 @@
-//! Adaptive sampling: how many samples the points of a frame get (Neyman 1934, "On the Two Different Aspects of the
-//! Representative Method").
+//! Adaptive sampling: which pixels get more samples (Neyman 1934, "On the Two Different Aspects of the Representative
+//! Method").
 
-use crate::metrics::{invert_decreasing, local_mean, normaliser};
+use super::accumulator::SampleAccumulator;
+use super::sampler::Moments;
+use crate::metrics::RADIANCE_FLOOR;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Lower bound of a point's variance, as a fraction of the mean variance: a few samples may all have missed what makes
-/// a region noisy, and its error would stay however many samples other points get.
-const MIN_RELATIVE_VARIANCE: f32 = 0.1;
+/// Lower bound of a variance, as a fraction of the mean variance: a few samples may all have missed what makes a region
+/// noisy, and its error would stay however many samples other pixels get.
+const MIN_RELATIVE_VARIANCE: f32 = 1e-4;
 
-/// The relative numbers of passes at the points of a frame.
+/// What the samples of a frame say about its error.
 ///
-/// The mean square error of a frame is least for its cost if the number of samples is proportional to their standard
-/// deviation. A point's variance is estimated from its neighbours' first passes alone: the number of a point's samples
-/// does not depend on their values, so every mean stays unbiased.
-pub(super) struct SampleAllocation {
-    /// The variance of one pass at each point, relative to the square of the radiance.
+/// The variance of a pixel's samples is estimated from its neighbours, between them as well as within: edges show between
+/// pixels first. No pixel's values decide how many samples it has: its mean is unbiased, and its half buffers are
+/// independent.
+pub(super) struct Survey {
+    /// The estimated variance of one sample of each pixel, relative to the square of the radiance.
     variances: Vec<f32>,
+    /// Errors fall with this power of the number of samples: 1 of noise, 2 of stratified samples of straight edges.
+    convergence: i32,
+    /// The expected relMSE of the frame; up to a factor.
+    pub(super) expected_error: f64,
 }
 
-impl SampleAllocation {
-    /// For points in rows of `width`, from the mean and half the difference of the A/B half buffers after one pass.
+/// What a pixel has, and what more samples of it promise.
+struct Prospect {
+    /// Its expected error.
+    error: f32,
+    /// What is left of it with twice the samples.
+    left: f32,
+    /// By how much each of these samples reduces it.
+    gain: f32,
+}
+
+impl Survey {
+    /// Of the samples of pixels in rows of `width`, in two half buffers; the second may be empty. `is_noisy` says that
+    /// there is Monte Carlo noise.
     pub(super) fn new(
-        values: &[Vec3],
-        half_differences: &[Vec3],
+        samples: &SampleAccumulator,
         width: usize,
         display_white: f32,
-    ) -> SampleAllocation {
-        let squares: Vec<Vec3> = half_differences.iter().map(|d| d * d).collect();
-        let around = |index: usize| {
-            let rings = [1, 2].map(|spacing| local_mean(&squares, width, index, spacing));
-            let rings = rings.into_iter().flatten();
-            let (sum, count) = rings.fold((Vec3::ZERO, 0), |(sum, n), ring| (sum + ring, n + 1));
-            // A frame of one point has no neighbours.
-            let square = if count == 0 {
-                squares[index]
-            } else {
-                sum / count as f32
-            };
-            // The normaliser of the point excludes the point's own value; the neighbours' normalisers include it.
-            let relative = square / normaliser(values, width, index, 1, display_white);
-            relative.element_sum() / 3.0
+        is_noisy: bool,
+    ) -> Survey {
+        let SampleAccumulator {
+            moments, counts, ..
+        } = samples;
+        let halves = moments.par_chunks_exact(2).zip(counts.par_chunks_exact(2));
+        let pixels = halves.map(|(halves, counts)| match counts[1] {
+            0 => halves[0],
+            _ => halves[0].plus(&halves[1]).scaled(0.5),
+        });
+        let pixels: Vec<Moments> = pixels.collect();
+        let floor = (RADIANCE_FLOOR * display_white).powi(2);
+        let variance = |row: usize, column: usize| {
+            let around = mean_around(&pixels, width, row, column);
+            around.variance() / (around.mean.length_squared() / 3.0 + floor)
         };
-        let mut variances: Vec<f32> = (0..squares.len()).into_par_iter().map(around).collect();
-        let mean = variances.iter().map(|v| f64::from(*v)).sum::<f64>() / variances.len() as f64;
-        for variance in &mut variances {
-            *variance = variance.max(MIN_RELATIVE_VARIANCE * mean as f32);
-        }
-        SampleAllocation { variances }
+        let variance = &variance;
+        let rows = (0..pixels.len() / width).into_par_iter();
+        let variances =
+            rows.flat_map_iter(|row| (0..width).map(move |column| variance(row, column)));
+        let mut variances: Vec<f32> = variances.collect();
+        let least = MIN_RELATIVE_VARIANCE * mean(&variances) as f32;
+        variances.par_iter_mut().for_each(|v| *v = v.max(least));
+        let mut survey = Survey {
+            variances,
+            convergence: if is_noisy { 1 } else { 2 },
+            expected_error: 0.0,
+        };
+        survey.expected_error = mean(&survey.expected_errors(counts));
+        survey
     }
 
-    /// The passes at each point that reduce the frame's square error to `fraction`, in 0..1, of that after `taken`
-    /// passes, if it falls as 1 / n. No point gets fewer than it has taken, nor more than `most`.
-    pub(super) fn passes(&self, taken: &[u32], fraction: f64, most: u32) -> Vec<u32> {
-        let passes = |index: usize, scale: f64| {
-            let wanted = (scale * f64::from(self.variances[index].sqrt())).round();
-            (wanted.min(f64::from(most)) as u32).max(taken[index])
-        };
-        let points = 0..taken.len();
-        let error = |scale: f64| -> f64 {
-            let variances = points.clone().zip(&self.variances);
-            let errors = variances.map(|(i, v)| f64::from(*v) / f64::from(passes(i, scale)));
-            errors.sum()
-        };
-        let goal = fraction * error(0.0);
-        // The squares of very bright radiance overflow: nothing can be planned.
-        if !goal.is_finite() {
-            return taken.to_vec();
-        }
-        let deviations: f64 = self.variances.iter().map(|v| f64::from(v.sqrt())).sum();
-        // Sufficient if no number were rounded and no point had more passes already.
-        let enough = 2.0 * deviations / goal.max(f64::MIN_POSITIVE);
-        let scale = invert_decreasing(goal, enough, 32, error);
-        points.clone().map(|index| passes(index, scale)).collect()
+    /// The expected relative squared error of each pixel, whose half buffers have so many samples; up to a factor.
+    pub(super) fn expected_errors(&self, counts: &[u32]) -> Vec<f32> {
+        let pixels = (0..self.variances.len()).into_par_iter();
+        pixels
+            .map(|pixel| self.prospect(pixel, counts).error)
+            .collect()
     }
+
+    /// The expected error of those pixels that have a single sample.
+    pub(super) fn error_of_singles(&self, counts: &[u32]) -> f64 {
+        /// Neighbours differ by slopes, too, more than what is within a pixel does.
+        const WITHIN: f64 = 0.3;
+        let singles = self.variances.iter().zip(counts.chunks_exact(2));
+        let singles = singles.filter(|(_, counts)| counts[1] == 0);
+        let sum: f64 = singles.map(|(variance, _)| f64::from(*variance)).sum();
+        WITHIN * sum / self.variances.len() as f64
+    }
+
+    fn prospect(&self, pixel: usize, counts: &[u32]) -> Prospect {
+        let variance = self.variances[pixel];
+        match &counts[2 * pixel..][..2] {
+            [_, 0] => Prospect {
+                error: variance,
+                left: 0.5 * variance,
+                gain: 0.5 * variance,
+            },
+            halves => {
+                let error = 0.5 * variance / (halves[0] as f32).powi(self.convergence);
+                let left = error * 0.5_f32.powi(self.convergence);
+                Prospect {
+                    error,
+                    left,
+                    gain: (error - left) / (2 * halves[0]) as f32,
+                }
+            }
+        }
+    }
+
+    /// How many samples each half buffer shall have in the next pass, with the goal that `fraction`, in 0..1, of the
+    /// expected error is left, and no more than `most`; none if none needs more.
+    ///
+    /// For a given cost the error is least where the gains of all samples are equal. Pixels above a threshold get twice
+    /// the samples. It is where one pass is enough, if it can be, and else where all would be after as many passes as
+    /// each of them needs.
+    pub(super) fn next_counts(&self, counts: &[u32], fraction: f64, most: u32) -> Option<Vec<u32>> {
+        /// Bins of gains, by exponent and the first three bits of the fraction.
+        const BINS: usize = 1 << 11;
+        const SHIFT: u32 = 20;
+        const CHUNK: usize = 1 << 16;
+        let pixels = self.variances.len();
+        let chunks = (0..pixels.div_ceil(CHUNK)).into_par_iter().map(|chunk| {
+            let mut bins = vec![[0.0; 2]; BINS];
+            for pixel in chunk * CHUNK..((chunk + 1) * CHUNK).min(pixels) {
+                let prospect = self.prospect(pixel, counts);
+                let bin = &mut bins[(prospect.gain.to_bits() >> SHIFT) as usize % BINS];
+                bin[0] += f64::from(prospect.error);
+                bin[1] += f64::from(prospect.left);
+            }
+            bins
+        });
+        let chunks: Vec<Vec<[f64; 2]>> = chunks.collect();
+        let sum = |bin: usize, of: usize| chunks.iter().map(|bins| bins[bin][of]).sum::<f64>();
+        let all = self.expected_error * pixels as f64;
+        let goal = fraction * all;
+        // The squares of very bright radiance overflow.
+        if !goal.is_finite() || all == 0.0 {
+            return None;
+        }
+        // Of n samples the gain is as n to the -(convergence + 1).
+        let exponent = f64::from(self.convergence) / f64::from(self.convergence + 1);
+        let (mut after_one, mut below, mut scaled) = (all, all, 0.0);
+        let mut threshold = None;
+        for bin in (1..BINS).rev() {
+            let [error, left] = [0, 1].map(|of| sum(bin, of));
+            if error == 0.0 {
+                continue;
+            }
+            let gain = f32::from_bits((bin as u32) << SHIFT);
+            let power = f64::from(gain).powf(exponent);
+            threshold = Some(gain);
+            after_one += left - error;
+            below -= error;
+            scaled += error / power;
+            if after_one <= goal || below + scaled * power <= goal {
+                break;
+            }
+        }
+        let threshold = threshold?;
+        let next = counts
+            .par_chunks_exact(2)
+            .enumerate()
+            .flat_map_iter(|(pixel, halves)| {
+                let count = match self.prospect(pixel, counts).gain < threshold {
+                    true => return [halves[0], halves[1]],
+                    false if halves[1] == 0 => 1,
+                    false => (2 * halves[0]).min(most),
+                };
+                [count; 2]
+            });
+        let next: Vec<u32> = next.collect();
+        (next != counts).then_some(next)
+    }
+}
+
+/// The mean over the up to eight neighbours of a pixel, of which those beside it, above and below count twice; of the
+/// pixel itself where it has none.
+fn mean_around(pixels: &[Moments], width: usize, row: usize, column: usize) -> Moments {
+    let rows = row.saturating_sub(1)..(row + 2).min(pixels.len() / width);
+    let columns = column.saturating_sub(1)..(column + 2).min(width);
+    let (mut mean, mut square, mut weights) = (Vec3::ZERO, 0.0, 0.0);
+    for near_row in rows {
+        for near_column in columns.clone() {
+            let weight = match (near_row == row, near_column == column) {
+                (true, true) => continue,
+                (false, false) => 1.0,
+                _ => 2.0,
+            };
+            let near = &pixels[near_row * width + near_column];
+            mean += weight * near.mean;
+            square += weight * near.square;
+            weights += weight;
+        }
+    }
+    match weights {
+        0.0 => pixels[row * width + column],
+        weights => Moments {
+            mean: mean / weights,
+            square: square / weights,
+        },
+    }
+}
+
+fn mean(values: &[f32]) -> f64 {
+    values.iter().map(|&value| f64::from(value)).sum::<f64>() / values.len() as f64
 }

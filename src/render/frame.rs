@@ -1,11 +1,14 @@
-//! One frame: first samples, adaptive samples, image and estimated error.
+//! One frame: first samples, adaptive samples, picture and estimated error.
 
 use super::accumulator::SampleAccumulator;
-use super::adaptive::SampleAllocation;
-use super::error_estimate::{ErrorEstimate, RelativeHalfDifferences};
+use super::adaptive::Survey;
+use super::error_estimate::FrameErrorEstimate;
 use super::grid::{Grid, average_corners};
+use super::half_buffer_error::HalfBufferError;
+use super::held_out::ErrorEstimator;
 use super::observer::{NoObserver, RenderObserver};
-use super::sampler::Sampler;
+use super::picture::Picture;
+use super::sampler::{Moments, Sampler};
 use super::{PixelSampling, RenderSettings, Renderer};
 use crate::camera::Camera;
 use crate::film::Film;
@@ -17,10 +20,10 @@ pub struct RenderedFrame {
     /// The image: scene-linear radiance.
     pub film: Film,
     /// Half the difference of the A/B half buffers: they are the image plus and minus this. Its square is an unbiased
-    /// estimate of the variance of the pixel. None if the frame has no Monte Carlo noise.
+    /// estimate of the variance of the pixel. None if the frame has no half buffers.
     pub half_difference: Option<Film>,
-    /// The error by noise and by the irradiance cache; none if the frame has neither.
-    pub error: Option<ErrorEstimate>,
+    /// Its error.
+    pub error: FrameErrorEstimate,
     /// How many rays were traced.
     pub rays: u64,
     /// How many samples were not finite and were replaced by black. Only numbers near the limits of single precision in
@@ -29,8 +32,8 @@ pub struct RenderedFrame {
 }
 
 impl RenderedFrame {
-    /// The two independent half buffers, A and B, whose mean is the image; the image itself, twice, if it has no
-    /// noise.
+    /// The two independent half buffers, A and B, whose mean is the image; the image itself, twice, if it has
+    /// none.
     pub fn half_buffers(&self) -> [Film; 2] {
         match &self.half_difference {
             Some(half_difference) => {
@@ -48,12 +51,12 @@ pub fn tile_count(settings: &RenderSettings) -> u64 {
 
 /// Lower and upper bound of the bytes of memory that a frame takes while it is rendered and encoded.
 pub fn frame_memory(settings: &RenderSettings) -> [u64; 2] {
-    // Per point: value and number of passes; of two half buffers also image and difference. The allocator returns less
-    // memory of small frames.
-    let bytes = if settings.has_noise() {
-        [60, 160]
+    // Per point: moments and numbers of samples; of two half buffers also image, difference and expected errors. The
+    // allocator returns less memory of small frames.
+    let bytes = if settings.has_half_buffers() {
+        [80, 200]
     } else {
-        [16, 90]
+        [20, 100]
     };
     bytes.map(|bytes| bytes * Grid::of(settings).len() as u64)
 }
@@ -72,97 +75,152 @@ impl Renderer<'_> {
         frame: u32,
         observer: &dyn RenderObserver,
     ) -> Option<RenderedFrame> {
-        let settings = &self.settings;
-        let grid = Grid::of(settings);
+        let grid = Grid::of(&self.settings);
         let sampler = Sampler::new(self, camera, frame);
-        let mut accumulator = SampleAccumulator::new(grid, &sampler);
-        accumulator.refine(grid, &sampler, |_| 1, observer);
-        if observer.is_stopped() {
-            return None;
-        }
+        let mut samples = SampleAccumulator::new(grid, &sampler);
         let cache_error = self.cache_errors.get(frame as usize).copied();
-        if sampler.half_buffers == 1 {
-            let film = resolve_pixels(settings, accumulator.values);
-            return Some(RenderedFrame {
-                film,
-                half_difference: None,
-                error: cache_error,
-                rays: accumulator.rays,
-                non_finite_samples: accumulator.non_finite,
-            });
-        }
-        let mut resolved = resolve_half_buffers(settings, &accumulator);
-        if let Some(target) = settings.target_error {
-            let [values, half_differences] = combine(&accumulator);
-            let width = grid.width as usize;
-            let allocation =
-                SampleAllocation::new(&values, &half_differences, width, settings.display_white);
-            let target = noise_target(target, cache_error);
-            while let Some(fraction) = next_error_fraction(&resolved.2, target) {
-                let wanted = allocation.passes(&accumulator.passes, fraction, sampler.max_passes());
-                if wanted == accumulator.passes {
-                    break;
-                }
-                accumulator.refine(grid, &sampler, |index| wanted[index], observer);
-                if observer.is_stopped() {
-                    return None;
-                }
-                resolved = resolve_half_buffers(settings, &accumulator);
+        let target = self.settings.target_of_samples(cache_error);
+        // A pixel like those around it keeps a single sample, without another half buffer.
+        let has_single = target.is_some() && sampler.first == 1 && !self.settings.is_noisy();
+        let first = |index: usize| match has_single && index % 2 == 1 {
+            true => 0,
+            false => sampler.first,
+        };
+        samples.refine(grid, &sampler, first, observer);
+        let (picture, error) = match target {
+            Some(target) => self.refined(&mut samples, grid, &sampler, target, observer)?,
+            None if observer.is_stopped() => return None,
+            None => {
+                let picture = self.picture(&samples);
+                let expected_errors = picture.contrasts();
+                let error = self.error(&mut samples, &picture, expected_errors, &sampler, 0);
+                (picture, error)
             }
-        }
-        let (film, half_difference, noise) = resolved;
+        };
         Some(RenderedFrame {
-            film,
-            half_difference: Some(half_difference),
-            error: Some(cache_error.map_or(noise, |cache| cache.plus(noise))),
-            rays: accumulator.rays,
-            non_finite_samples: accumulator.non_finite,
+            film: picture.film,
+            half_difference: picture.half_difference,
+            error: cache_error.map_or(error, |cache| error.plus_cache(cache)),
+            rays: samples.rays,
+            non_finite_samples: samples.non_finite,
         })
+    }
+
+    /// Adds samples until the upper 95 % bound of the error is below `target`, or no more are possible; none if the
+    /// observer stops.
+    fn refined(
+        &self,
+        samples: &mut SampleAccumulator,
+        grid: Grid,
+        sampler: &Sampler,
+        target: f64,
+        observer: &dyn RenderObserver,
+    ) -> Option<(Picture, FrameErrorEstimate)> {
+        /// The part of the target that the upper bound of the error by half buffers shall take, with what single samples
+        /// are expected to add.
+        const AIM: f64 = 0.97;
+        /// How many estimates of the whole error may be above the target before the frame is given as it is.
+        const MOST_ESTIMATES: u32 = 6;
+        let settings = &self.settings;
+        let (width, display_white) = (settings.width as usize, settings.display_white);
+        let mut aim = AIM * target;
+        let mut estimates = 0;
+        loop {
+            if observer.is_stopped() {
+                return None;
+            }
+            let survey = Survey::new(samples, width, display_white, settings.is_noisy());
+            let picture = self.picture(samples);
+            // One decision for all pixels, on which a single pixel has next to no influence.
+            let of_halves = HalfBufferError::of(&picture).map(|error| error.estimate().interval());
+            let of_singles = survey.error_of_singles(&samples.counts);
+            let error = of_halves.map_or(0.0, |[_, upper]| upper) + of_singles;
+            if error > aim
+                && let Some(next) = survey.next_counts(&samples.counts, aim / error, sampler.most())
+            {
+                samples.refine(grid, sampler, |index| next[index], observer);
+                continue;
+            }
+            let expected_errors = survey.expected_errors(&samples.counts);
+            let error = self.error(samples, &picture, expected_errors, sampler, estimates);
+            let [_, upper] = error.whole.interval();
+            estimates += 1;
+            if upper <= target || estimates == MOST_ESTIMATES {
+                return Some((picture, error));
+            }
+            aim *= (AIM * target / upper).min(0.9);
+        }
+    }
+
+    /// The error of a picture of all samples so far.
+    fn error(
+        &self,
+        samples: &mut SampleAccumulator,
+        picture: &Picture,
+        expected_errors: Vec<f32>,
+        sampler: &Sampler,
+        round: u32,
+    ) -> FrameErrorEstimate {
+        let halves = sampler.half_buffers;
+        let of_pixel = |pixel: usize| match self.settings.sampling {
+            PixelSampling::Corners => halves as u32,
+            _ => samples.counts[pixel * halves..][..halves].iter().sum(),
+        };
+        let is_biased = has_fixed_positions(self.settings.sampling);
+        let is_known =
+            |pixel: usize| !is_biased && halves == 2 && samples.counts[2 * pixel + 1] > 0;
+        let estimator = ErrorEstimator {
+            picture,
+            expected_errors,
+            samples: &of_pixel,
+            is_known: &is_known,
+        };
+        let (error, work) = estimator.estimate(&sampler.of_whole_pixels(), round);
+        samples.rays += work.query_state.rays;
+        samples.non_finite += work.non_finite;
+        error
+    }
+
+    /// The picture of all samples so far.
+    fn picture(&self, samples: &SampleAccumulator) -> Picture {
+        let resolve = |points: Vec<Vec3>| resolve_pixels(&self.settings, points);
+        let SampleAccumulator {
+            moments, counts, ..
+        } = samples;
+        let halves = || moments.chunks_exact(2).zip(counts.chunks_exact(2));
+        let (film, half_difference): (Vec<Vec3>, _) = match self.settings.has_half_buffers() {
+            false => (moments.iter().map(|of_point| of_point.mean).collect(), None),
+            true => {
+                let value = |(halves, counts): (&[Moments], &[u32])| match counts[1] {
+                    0 => halves[0].mean,
+                    _ => 0.5 * (halves[0].mean + halves[1].mean),
+                };
+                let difference = |(halves, counts): (&[Moments], &[u32])| match counts[1] {
+                    0 => Vec3::ZERO,
+                    _ => 0.5 * (halves[0].mean - halves[1].mean),
+                };
+                (
+                    halves().map(value).collect(),
+                    Some(halves().map(difference).collect()),
+                )
+            }
+        };
+        Picture {
+            film: resolve(film),
+            half_difference: half_difference.map(resolve),
+            spacing: match self.settings.sampling {
+                PixelSampling::Corners => 2,
+                _ => 1,
+            },
+            is_noisy: self.settings.is_noisy(),
+            display_white: self.settings.display_white,
+        }
     }
 }
 
-/// The part of a target error that the irradiance cache leaves for noise: at least half, as more samples cannot make up
-/// for a cache that takes more than half.
-fn noise_target(target: f64, cache_error: Option<ErrorEstimate>) -> f64 {
-    let of_cache = cache_error.map_or(0.0, |cache| cache.interval()[1]);
-    (target - of_cache).max(0.5 * target)
-}
-
-/// The fraction of a frame's error that its next samples should leave; none if the target is reached.
-///
-/// One decision for all pixels, on which a single pixel has next to no influence: means stay unbiased.
-fn next_error_fraction(error: &ErrorEstimate, target: f64) -> Option<f64> {
-    /// Errors fall faster than 1 / n: larger steps would overshoot.
-    const MIN_FRACTION: f64 = 0.25;
-    let [_, upper] = error.interval();
-    (upper > target).then(|| (0.97 * target / upper).max(MIN_FRACTION))
-}
-
-/// The mean and half the difference of the half buffers at each point.
-fn combine(accumulator: &SampleAccumulator) -> [Vec<Vec3>; 2] {
-    let halves = || accumulator.values.chunks_exact(2);
-    [
-        halves().map(|half| 0.5 * (half[0] + half[1])).collect(),
-        halves().map(|half| 0.5 * (half[0] - half[1])).collect(),
-    ]
-}
-
-/// The image, half the difference of its half buffers, and its noise.
-fn resolve_half_buffers(
-    settings: &RenderSettings,
-    accumulator: &SampleAccumulator,
-) -> (Film, Film, ErrorEstimate) {
-    let [film, half_difference] =
-        combine(accumulator).map(|points| resolve_pixels(settings, points));
-    let relative = RelativeHalfDifferences::new(
-        film.pixels(),
-        half_difference.pixels(),
-        settings.width as usize,
-        settings.display_white,
-        settings.sampling == PixelSampling::Corners,
-    );
-    let noise = ErrorEstimate::of(&relative);
-    (film, half_difference, noise)
+/// Whether samples lie at fixed places of a pixel: more of them would not make a picture of whole pixels.
+fn has_fixed_positions(sampling: PixelSampling) -> bool {
+    matches!(sampling, PixelSampling::Center | PixelSampling::Corners)
 }
 
 /// The pixels from the points' values.

@@ -11,11 +11,15 @@
 
 mod accumulator;
 mod adaptive;
+mod block;
 mod error_estimate;
 mod flicker;
 mod frame;
 mod grid;
+mod half_buffer_error;
+mod held_out;
 mod observer;
+mod picture;
 mod pixels;
 mod renderer;
 mod reprojection;
@@ -25,7 +29,7 @@ mod settings;
 mod sink;
 mod sink_error;
 
-pub use error_estimate::ErrorEstimate;
+pub use error_estimate::{ErrorEstimate, FrameErrorEstimate};
 pub use flicker::Flicker;
 pub use frame::{RenderedFrame, frame_memory, tile_count};
 pub use observer::{NoObserver, RenderObserver};

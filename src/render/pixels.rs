@@ -1,6 +1,6 @@
 //! Single pixels of a frame.
 
-use super::sampler::{Sampler, Work};
+use super::sampler::{Moments, SampleRun, Sampler, Work};
 use super::{PixelSampling, Renderer};
 use crate::camera::Camera;
 use glam::Vec3;
@@ -18,26 +18,33 @@ impl Renderer<'_> {
         frame: u32,
         pixels: &[(u32, u32)],
     ) -> Vec<[Vec3; 2]> {
-        let sampler = Sampler::new(self, camera, frame);
+        let sampler = &Sampler::new(self, camera, frame);
         let corners: &[(u32, u32)] = match self.settings.sampling {
             PixelSampling::Corners => &[(0, 0), (1, 0), (0, 1), (1, 1)],
-            PixelSampling::Center | PixelSampling::Spread(_) => &[(0, 0)],
+            _ => &[(0, 0)],
         };
         let of_chunk = |pixels: &[(u32, u32)]| -> Vec<[Vec3; 2]> {
             let points = pixels
                 .iter()
                 .flat_map(|(x, y)| corners.iter().map(move |(dx, dy)| (x + dx, y + dy)));
-            let points: Vec<(u32, u32)> = points.collect();
-            let means = sampler.means(&points, |_| (0, 1), &mut Work::default());
-            let of_pixel = |means: &[Vec3]| {
+            let runs = points.flat_map(|point| {
+                (0..sampler.half_buffers).map(move |half| SampleRun {
+                    point,
+                    sequence: sampler.sequence(half),
+                    first: 0,
+                    end: sampler.first,
+                })
+            });
+            let moments = sampler.moments(&runs.collect::<Vec<_>>(), &mut Work::default());
+            let of_pixel = |moments: &[Moments]| {
                 let half = |half: usize| {
-                    let values = means.iter().skip(half).step_by(sampler.half_buffers);
-                    values.sum::<Vec3>() / corners.len() as f32
+                    let of_half = moments.iter().skip(half).step_by(sampler.half_buffers);
+                    of_half.map(|moments| moments.mean).sum::<Vec3>() / corners.len() as f32
                 };
                 [half(0), half(sampler.half_buffers - 1)]
             };
-            let means = means.chunks(corners.len() * sampler.half_buffers);
-            means.map(of_pixel).collect()
+            let moments = moments.chunks(corners.len() * sampler.half_buffers);
+            moments.map(of_pixel).collect()
         };
         pixels.par_chunks(CHUNK).flat_map_iter(of_chunk).collect()
     }

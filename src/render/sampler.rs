@@ -1,5 +1,4 @@
-//! Camera samples of the points of a frame, and their A/B half buffers. In one pass a point takes the camera samples of
-//! the settings, half of them in each half buffer; adaptive sampling adds passes.
+//! Camera samples of the points of a frame, in runs of consecutive samples of one random sequence.
 
 use super::{PixelSampling, Renderer};
 use crate::accel::QueryState;
@@ -11,22 +10,106 @@ use glam::{DVec2, DVec3, Vec3};
 /// Camera rays that are traced together.
 const BATCH: usize = 256;
 
+/// Consecutive samples of a point in one of its random sequences.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SampleRun {
+    pub(super) point: (u32, u32),
+    pub(super) sequence: Sequence,
+    /// The first sample.
+    pub(super) first: u32,
+    /// The one after the last.
+    pub(super) end: u32,
+}
+
+/// One of the independent random sequences of a point.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Sequence {
+    /// Of a picture without half buffers.
+    Whole,
+    /// Of a half buffer, A (0) or B (1).
+    Half(u32),
+    /// Of the two estimates of a held-out pixel, each time that pixels are held out.
+    HeldOut {
+        /// Which of the two estimates, 0 or 1.
+        estimate: u32,
+        /// How often pixels were held out before.
+        round: u32,
+    },
+}
+
+/// The moments of a run.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Moments {
+    /// The mean radiance.
+    pub(super) mean: Vec3,
+    /// The mean over samples and channels of the square of the radiance.
+    pub(super) square: f32,
+}
+
+impl Sequence {
+    /// Which half buffer of a point the sequence is of.
+    pub(super) fn half(self) -> usize {
+        match self {
+            Sequence::Half(half) => half as usize,
+            Sequence::Whole | Sequence::HeldOut { .. } => 0,
+        }
+    }
+}
+
+impl Moments {
+    pub(super) fn plus(&self, other: &Moments) -> Moments {
+        Moments {
+            mean: self.mean + other.mean,
+            square: self.square + other.square,
+        }
+    }
+
+    pub(super) fn scaled(&self, factor: f32) -> Moments {
+        Moments {
+            mean: factor * self.mean,
+            square: factor * self.square,
+        }
+    }
+
+    /// The variance of the samples: the mean over channels.
+    pub(super) fn variance(&self) -> f32 {
+        (self.square - self.mean.length_squared() / 3.0).max(0.0)
+    }
+
+    /// Moves these towards others by a fraction.
+    pub(super) fn blend(&mut self, other: &Moments, fraction: f32) {
+        self.mean += fraction * (other.mean - self.mean);
+        self.square += fraction * (other.square - self.square);
+    }
+}
+
 /// How the points of a frame are sampled.
 ///
-/// Where there is noise, samples are taken in two independent half buffers, A and B, whose difference tells the
-/// variance of their mean: half of the samples each or, of a single sample, one each with half of the paths from the
-/// first diffuse bounce. Odd numbers are rounded up.
+/// Where a frame has half buffers, they are two independent ones, A and B, whose difference tells the variance of their
+/// mean: half of the samples each or, of a single sample, one each with half of the paths from the first diffuse bounce.
+/// Odd numbers are rounded up.
 pub(super) struct Sampler<'a> {
     rays: CameraRays,
-    sampling: PixelSampling,
-    /// Of one half buffer.
+    position: Position,
+    /// Of a run's samples.
     integrator: Integrator<'a>,
-    /// Of one half buffer in one pass.
-    samples: u32,
-    /// How many half buffers there are: 1 without noise, else 2.
+    /// The first samples of a point, or of each of its half buffers.
+    pub(super) first: u32,
+    /// How many half buffers there are, 2, or 1: the picture itself.
     pub(super) half_buffers: usize,
     seed: u32,
     frame: u32,
+}
+
+/// Where a camera sample lies, from the point's upper left corner.
+#[derive(Clone, Copy)]
+enum Position {
+    /// At the corner.
+    Corner,
+    /// In the middle of the pixel.
+    Center,
+    /// Anywhere in the pixel.
+    Spread,
 }
 
 impl<'a> Sampler<'a> {
@@ -37,117 +120,144 @@ impl<'a> Sampler<'a> {
             ..
         } = renderer;
         let size = DVec2::new(settings.width.into(), settings.height.into());
-        let mut samples = match settings.sampling {
-            PixelSampling::Spread(count) => count,
-            PixelSampling::Center | PixelSampling::Corners => 1,
+        let (position, mut first) = match settings.sampling {
+            PixelSampling::Spread(count) => (Position::Spread, count),
+            PixelSampling::Adaptive(_) => (Position::Spread, 1),
+            PixelSampling::Center => (Position::Center, 1),
+            PixelSampling::Corners => (Position::Corner, 1),
         };
         let mut integrator = integrator.clone();
         let mut half_buffers = 1;
-        if settings.has_noise() {
+        if settings.has_half_buffers() {
             half_buffers = 2;
-            if samples == 1 && !integrator.splits().is_empty() {
+            if first == 1 && !integrator.splits().is_empty() {
                 integrator = integrator.with_half_the_paths();
             } else {
-                samples = samples.div_ceil(2);
+                first = first.div_ceil(2);
             }
         }
         Sampler {
             rays: camera.rays(size, renderer.scene().origin),
-            sampling: settings.sampling,
+            position,
             integrator,
-            samples,
+            first,
             half_buffers,
             seed: settings.seed,
             frame: if settings.lock_seed { 0 } else { frame },
         }
     }
 
-    /// The most passes of a point: single precision tells 2^24 camera samples of a half buffer apart, and the indices
-    /// of their paths have 32 bits.
-    pub(super) fn max_passes(&self) -> u32 {
+    /// The same sampler of pixels, with samples anywhere in a pixel: what the converged picture is the mean of.
+    pub(super) fn of_whole_pixels(&self) -> Sampler<'a> {
+        Sampler {
+            integrator: self.integrator.clone(),
+            position: Position::Spread,
+            ..*self
+        }
+    }
+
+    /// Random numbers of the frame as a whole.
+    pub(super) fn frame_sequence(&self, round: u32) -> SobolSequence {
+        SobolSequence::new(self.seed, self.frame, u32::MAX, round)
+    }
+
+    /// The sequence of a half buffer.
+    pub(super) fn sequence(&self, half: usize) -> Sequence {
+        match self.half_buffers {
+            1 => Sequence::Whole,
+            _ => Sequence::Half(half as u32),
+        }
+    }
+
+    /// The most samples of a run: single precision tells 2^24 camera samples apart, and the indices of their paths have
+    /// 32 bits.
+    pub(super) fn most(&self) -> u32 {
         let splits = self.integrator.splits().iter();
         let paths = splits.map(|&split| u64::from(split));
         let paths = paths.fold(1, u64::saturating_mul);
         let samples = (1_u64 << 24).min((1_u64 << 32) / paths);
-        (samples as u32 / self.samples).max(1)
+        (samples as u32).max(self.first)
     }
 
-    /// The mean radiance at each point, half buffer by half buffer, over the passes that `passes` gives, from `.0`
-    /// to before `.1`: at least one.
-    pub(super) fn means(
-        &self,
-        points: &[(u32, u32)],
-        passes: impl Fn((u32, u32)) -> (u32, u32),
-        work: &mut Work,
-    ) -> Vec<Vec3> {
+    /// The moments of each run, which has at first one sample.
+    pub(super) fn moments(&self, runs: &[SampleRun], work: &mut Work) -> Vec<Moments> {
         // The sum of a million equal numbers is wrong in single precision.
-        let mut sums = vec![DVec3::ZERO; points.len() * self.half_buffers];
+        let mut sums = vec![Sums::default(); runs.len()];
         let mut batch = Batch::default();
-        for (number, &(x, y)) in points.iter().enumerate() {
-            let (first, last) = passes((x, y));
+        for (number, run) in runs.iter().enumerate() {
+            let (x, y) = run.point;
             let corner = DVec2::new(x.into(), y.into());
             let sequence = SobolSequence::new(self.seed, self.frame, x, y);
-            for half in 0..self.half_buffers {
-                let sequence = match self.half_buffers {
-                    1 => sequence,
-                    _ => sequence.for_half_buffer(half as u32),
-                };
-                for index in first * self.samples..last * self.samples {
-                    let film = match self.sampling {
-                        PixelSampling::Corners => corner,
-                        PixelSampling::Center => corner + 0.5,
-                        PixelSampling::Spread(_) => {
-                            let [u, v] = sequence.sample_2d(index, 0);
-                            corner + DVec2::new(u.into(), v.into())
-                        }
-                    };
-                    let ray = self.rays.through(film);
-                    batch.samples.push(CameraSample {
-                        ray,
-                        sequence,
-                        index,
-                    });
-                    batch.sums.push(number * self.half_buffers + half);
-                    if batch.samples.len() == BATCH {
-                        self.trace(&mut batch, work, &mut sums);
+            let sequence = match run.sequence {
+                Sequence::Whole => sequence,
+                Sequence::Half(half) => sequence.stream(half),
+                Sequence::HeldOut { estimate, round } => sequence.stream(2 + 2 * round + estimate),
+            };
+            for index in run.first..run.end {
+                let film = match self.position {
+                    Position::Corner => corner,
+                    Position::Center => corner + 0.5,
+                    Position::Spread => {
+                        let [u, v] = sequence.sample_2d(index, 0);
+                        corner + DVec2::new(u.into(), v.into())
                     }
+                };
+                let ray = self.rays.through(film);
+                batch.samples.push(CameraSample {
+                    ray,
+                    sequence,
+                    index,
+                });
+                batch.runs.push(number);
+                if batch.samples.len() == BATCH {
+                    self.trace(&mut batch, work, &mut sums);
                 }
             }
         }
         self.trace(&mut batch, work, &mut sums);
-        let count = |number: usize| {
-            let (first, last) = passes(points[number / self.half_buffers]);
-            f64::from((last - first) * self.samples)
+        let moments = |(run, sums): (&SampleRun, Sums)| {
+            let count = f64::from(run.end - run.first);
+            Moments {
+                mean: (sums.radiance / count).as_vec3(),
+                square: (sums.square / (3.0 * count)) as f32,
+            }
         };
-        let sums = sums.into_iter().enumerate();
-        sums.map(|(number, sum)| (sum / count(number)).as_vec3())
-            .collect()
+        runs.iter().zip(sums).map(moments).collect()
     }
 
     /// Adds the radiance of up to [`BATCH`] samples to the sums that they belong to, and clears the batch.
-    fn trace(&self, batch: &mut Batch, work: &mut Work, sums: &mut [DVec3]) {
+    fn trace(&self, batch: &mut Batch, work: &mut Work, sums: &mut [Sums]) {
         let mut radiance = [Vec3::ZERO; BATCH];
         let radiance = &mut radiance[..batch.samples.len()];
         let query_state = &mut work.query_state;
         self.integrator
             .radiance(&batch.samples, query_state, radiance);
-        for (sum, radiance) in batch.sums.iter().zip(radiance) {
+        for (run, radiance) in batch.runs.iter().zip(radiance) {
             if radiance.is_finite() {
-                sums[*sum] += radiance.as_dvec3();
+                let radiance = radiance.as_dvec3();
+                sums[*run].radiance += radiance;
+                sums[*run].square += radiance.length_squared();
             } else {
                 work.non_finite += 1;
             }
         }
         batch.samples.clear();
-        batch.sums.clear();
+        batch.runs.clear();
     }
 }
 
-/// Samples that are traced together, and the indices of the sums that they belong to.
+/// Samples that are traced together, and the indices of the runs that they belong to.
 #[derive(Default)]
 struct Batch {
     samples: Vec<CameraSample>,
-    sums: Vec<usize>,
+    runs: Vec<usize>,
+}
+
+/// The sums of a run's samples.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    radiance: DVec3,
+    square: f64,
 }
 
 /// Scratch space and counters of a thread that renders a tile.

@@ -1,6 +1,6 @@
 //! Sequences: renders the frames of a camera path and hands them to a sink.
 
-use super::error_estimate::ErrorEstimate;
+use super::error_estimate::FrameErrorEstimate;
 use super::observer::RenderObserver;
 use super::renderer::Renderer;
 use super::sink::{Claim, EncodedFrame, FrameSink};
@@ -33,8 +33,8 @@ pub struct Outcome {
     pub bytes: u64,
     /// Samples that were replaced by black because they were not finite.
     pub non_finite_samples: u64,
-    /// The errors of the frames that were stored and have one, by frame number.
-    pub errors: Vec<(u32, ErrorEstimate)>,
+    /// The errors of the frames that were stored, by frame number.
+    pub errors: Vec<(u32, FrameErrorEstimate)>,
 }
 
 impl Renderer<'_> {
@@ -99,7 +99,7 @@ struct FrameStats {
     rays: u64,
     bytes: u64,
     non_finite_samples: u64,
-    error: Option<ErrorEstimate>,
+    error: FrameErrorEstimate,
 }
 
 impl<Sink: FrameSink> RenderContext<'_, Sink> {
@@ -119,9 +119,7 @@ impl<Sink: FrameSink> RenderContext<'_, Sink> {
                     outcome.rays += stats.rays;
                     outcome.bytes += stats.bytes;
                     outcome.non_finite_samples += stats.non_finite_samples;
-                    outcome
-                        .errors
-                        .extend(stats.error.map(|error| (frame, error)));
+                    outcome.errors.push((frame, stats.error));
                 }
                 Ok(FrameOutcome::StoredByOthers) => outcome.stored_by_others += 1,
                 Ok(FrameOutcome::Busy) => self.queue().push_back((frame, true)),

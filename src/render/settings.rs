@@ -1,5 +1,6 @@
 //! The settings of frames, as plain data.
 
+use super::ErrorEstimate;
 use crate::integrator::IntegratorSettings;
 use serde::{Deserialize, Serialize};
 
@@ -22,13 +23,13 @@ pub struct RenderSettings {
     /// The radiance that is displayed as white, above 0. Errors are relative to the radiance or, where that is less,
     /// to a tenth of display white.
     pub display_white: f32,
-    /// Adaptive sampling: samples are added to a frame, where they reduce its error most, until the upper 95 %
-    /// confidence bound of its estimated relMSE is below this; above 0. Frames without noise ignore it.
+    /// Samples are added to a frame, where they reduce its error most, until the upper 95 % confidence bound of its
+    /// estimated relMSE is below this; above 0. `Center` and `Corners` have no more samples, and ignore it.
     pub target_error: Option<f64>,
 }
 
 /// Where in a pixel its camera samples lie. Their mean is the pixel (box filter).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum PixelSampling {
     /// One, in the middle.
     Center,
@@ -36,6 +37,9 @@ pub enum PixelSampling {
     Corners,
     /// This many, at least 1, stratified over the pixel's square.
     Spread(u32),
+    /// Stratified over the pixel's square, at least two, and as many more where they reduce the error of the frame most
+    /// as it takes for a relMSE below this; the error of the irradiance cache comes to it.
+    Adaptive(f64),
 }
 
 impl RenderSettings {
@@ -53,17 +57,42 @@ impl RenderSettings {
         }
     }
 
-    /// Whether frames have Monte Carlo noise, which is then estimated.
-    pub fn has_noise(&self) -> bool {
-        match self.integrator {
-            IntegratorSettings::Whitted { .. } => false,
-            IntegratorSettings::PathTraced { bounces, .. } => {
-                bounces > 0 || matches!(self.sampling, PixelSampling::Spread(_))
-            }
-            // Only the positions of camera samples are random, and a single one makes no two half buffers.
-            IntegratorSettings::Cached { .. } => {
-                matches!(self.sampling, PixelSampling::Spread(count) if count > 1)
-            }
+    /// Whether frames are rendered in two independent half buffers: where samples are random, and more than one or of
+    /// more than one path.
+    pub fn has_half_buffers(&self) -> bool {
+        match self.sampling {
+            PixelSampling::Center | PixelSampling::Corners => self.is_noisy(),
+            PixelSampling::Spread(1) => self.is_noisy() || self.is_adaptive(),
+            PixelSampling::Spread(_) | PixelSampling::Adaptive(_) => true,
+        }
+    }
+
+    /// Whether samples of the same film position differ: Monte Carlo noise.
+    pub(super) fn is_noisy(&self) -> bool {
+        matches!(
+            self.integrator,
+            IntegratorSettings::PathTraced { bounces: 1.., .. }
+        )
+    }
+
+    /// Whether pixels get as many samples as an error asks for.
+    pub fn is_adaptive(&self) -> bool {
+        match self.sampling {
+            PixelSampling::Center | PixelSampling::Corners => false,
+            PixelSampling::Spread(_) => self.target_error.is_some(),
+            PixelSampling::Adaptive(_) => true,
+        }
+    }
+
+    /// The error that the samples of an adaptive frame may leave, given that of the irradiance cache: of a target error
+    /// at least half, as more samples cannot make up for a cache that takes more than half.
+    pub(super) fn target_of_samples(&self, cache_error: Option<ErrorEstimate>) -> Option<f64> {
+        let of_cache = cache_error.map_or(0.0, |cache| cache.interval()[1]);
+        match (self.target_error, self.sampling) {
+            (_, PixelSampling::Center | PixelSampling::Corners) => None,
+            (Some(target), _) => Some((target - of_cache).max(0.5 * target)),
+            (None, PixelSampling::Adaptive(target)) => Some(target),
+            (None, PixelSampling::Spread(_)) => None,
         }
     }
 }

@@ -68,7 +68,7 @@ mod tests {
             rmse: 0.0,
             rel_mse: error,
             spread: [0.9 * error, 1.1 * error],
-            own_estimate: None,
+            own_estimate: error,
             p95_relative_error: 0.0,
             mean_bias: 0.0,
             mean_bias_interval: [0.0, 0.0],

@@ -5,7 +5,7 @@ use super::inputs::Inputs;
 use super::measure::renderer;
 use super::progress::Progress;
 use super::technique::Technique;
-use crate::input::{GlobalIllumination, Mode, Settings};
+use crate::input::{GlobalIllumination, Mode, Samples, Settings};
 use crate::metrics::{BiasCheck, Estimate, HeldOutPixel};
 use crate::render::Renderer;
 use crate::sampling::Random;
@@ -104,7 +104,7 @@ impl HeldOut {
             mode: Some(Mode::Montecarlo),
             gi: Some(GlobalIllumination::PathTraced),
             size: Some(size),
-            samples: Some(2 * ORACLE_PATHS),
+            samples: Some(Samples::Spread(2 * ORACLE_PATHS)),
             splits: Some(vec![1]),
             seed: Some(SEED),
             target_error: None,

@@ -6,7 +6,7 @@ use super::inputs::Inputs;
 use super::progress::Progress;
 use super::technique::WITHOUT_PATHS;
 use crate::film::Film;
-use crate::input::{GlobalIllumination, Mode, Settings};
+use crate::input::{GlobalIllumination, Mode, Samples, Settings};
 use crate::metrics::{Estimate, mean};
 use crate::render::{Renderer, Reprojection, TILE};
 use serde::Serialize;
@@ -64,7 +64,7 @@ pub(super) fn flicker(
         let settings = Settings {
             mode: Some(mode),
             gi: Some(gi),
-            samples: Some(samples),
+            samples: Some(Samples::Spread(samples)),
             splits: Some(vec![1]),
             seed: Some(seed),
             // Which random numbers a frame takes is said when it is rendered.

@@ -8,7 +8,7 @@ use super::technique::Technique;
 use crate::film::Film;
 use crate::input::Settings;
 use crate::metrics::{Estimate, ImageError, Reference, mean};
-use crate::render::{ErrorEstimate, Renderer};
+use crate::render::Renderer;
 use serde::Serialize;
 
 /// Cost and error of a technique: means over frames and seeds.
@@ -40,8 +40,8 @@ pub struct Measurement {
     pub rel_mse: f64,
     /// The least and the largest relMSE of a seed.
     pub spread: [f64; 2],
-    /// relMSE as the frames estimate it, without a reference; none where there is no Monte Carlo noise.
-    pub own_estimate: Option<f64>,
+    /// relMSE as the frames estimate it, without a reference.
+    pub own_estimate: f64,
     /// The 95th percentile of the relative errors.
     pub p95_relative_error: f64,
     /// The mean error relative to the mean of the reference: above 0 if the frames are too bright.
@@ -56,7 +56,7 @@ pub struct Measurement {
 struct Run {
     seconds: Seconds,
     rays: u64,
-    estimated: Option<ErrorEstimate>,
+    estimated: f64,
     error: ImageError,
 }
 
@@ -86,7 +86,7 @@ pub(super) fn measure(
             runs.push(Run {
                 seconds,
                 rays: rendering.rays,
-                estimated: rendering.error,
+                estimated: rendering.error.whole.rel_mse,
                 error,
             });
             picture.get_or_insert(rendering.film);
@@ -99,8 +99,6 @@ pub(super) fn measure(
     let over = |of: &dyn Fn(&Run) -> f64| mean(&runs.iter().map(of).collect::<Vec<f64>>());
     let seconds = over(&|run| run.seconds.wall);
     let rays = over(&|run| run.rays as f64);
-    let own = runs.iter().map(|run| run.estimated);
-    let own: Option<Vec<f64>> = own.map(|e| Some(e?.rel_mse)).collect();
     let mut mean_bias = Estimate::of(&bias_by_seed);
     let variances = references.iter().map(|(_, r)| r.error_of_mean().powi(2));
     let of_references = variances.sum::<f64>().sqrt() / references.len() as f64;
@@ -126,7 +124,7 @@ pub(super) fn measure(
             by_seed.iter().copied().fold(f64::INFINITY, f64::min),
             by_seed.iter().copied().fold(f64::NEG_INFINITY, f64::max),
         ],
-        own_estimate: own.map(|own| mean(&own)),
+        own_estimate: over(&|run| run.estimated),
         p95_relative_error: over(&|run| run.error.p95_relative_error),
         mean_bias: mean_bias.mean,
         mean_bias_interval: mean_bias.interval(inputs.seeds - 1),

@@ -4,7 +4,7 @@ use super::error::ReportError;
 use super::inputs::{Inputs, pixels};
 use super::progress::Progress;
 use crate::frames::{decode_exr, encode_exr};
-use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Settings};
+use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Samples, Settings};
 use crate::metrics::Reference;
 use crate::render::{RenderSettings, Renderer};
 use crate::storage::{FileError, Folder};
@@ -93,7 +93,7 @@ fn settings(inputs: &Inputs) -> RenderSettings {
         mode: Some(Mode::Montecarlo),
         gi: Some(GlobalIllumination::PathTraced),
         size: Some(inputs.size),
-        samples: Some(16),
+        samples: Some(Samples::Spread(16)),
         splits: Some(vec![2]),
         seed: Some(SEED),
         target_error: Some(wanted_error(inputs)),

@@ -1,6 +1,6 @@
 //! The techniques that a report compares.
 
-use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Settings};
+use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Samples, Settings};
 
 /// About how many paths take as long as a camera sample without indirect light.
 pub(super) const WITHOUT_PATHS: f64 = 0.2;
@@ -16,97 +16,106 @@ pub struct Technique {
     pub is_checked: bool,
 }
 
+/// How many camera samples the frames of a technique have.
+#[derive(Clone, Copy)]
+enum Amount {
+    Samples(Samples),
+    /// As many as it takes.
+    TargetError(f64),
+}
+
 /// All techniques, in the order of the report.
 pub fn techniques() -> Vec<Technique> {
-    use Mode::{Montecarlo, MontecarloSupersampling, Raytracing, Supersampling};
-    // Camera samples of a pixel, and paths from each diffuse bounce.
-    type Points<'a> = &'a [(Option<u32>, &'a [u32])];
-    let curve = |curve: &'static str, mode: Mode, points: Points| -> Vec<Technique> {
-        let technique = |(number, (samples, splits)): (usize, &(Option<u32>, &[u32]))| Technique {
+    use Amount::TargetError;
+    use Mode::{Montecarlo, Raytracing, Supersampling};
+    const CENTER: Amount = Amount::Samples(Samples::Center);
+    const CORNERS: Amount = Amount::Samples(Samples::Corners);
+    let spread = |count| Amount::Samples(Samples::Spread(count));
+    let curve = |curve: &'static str, mode: Mode, gi, points: &[(Amount, &[u32])]| {
+        let technique = |(number, (amount, splits)): (usize, &(Amount, &[u32]))| Technique {
             curve,
             settings: Settings {
                 mode: Some(mode),
-                samples: *samples,
+                samples: match amount {
+                    Amount::Samples(samples) => Some(*samples),
+                    TargetError(_) => None,
+                },
+                target_error: match amount {
+                    Amount::Samples(_) => None,
+                    TargetError(target) => Some(*target),
+                },
                 splits: (!splits.is_empty()).then(|| splits.to_vec()),
-                gi: Some(GlobalIllumination::PathTraced),
+                gi: Some(gi),
                 ..Settings::default()
             },
             is_checked: number == points.len() / 2,
         };
-        points.iter().enumerate().map(technique).collect()
+        points.iter().enumerate().map(technique).collect::<Vec<_>>()
     };
-    let targets = [0.01, 0.003, 0.001].map(|target| Technique {
-        curve: "montecarlo, to a target error",
-        settings: Settings {
-            mode: Some(Montecarlo),
-            samples: Some(4),
-            splits: Some(vec![2]),
-            target_error: Some(target),
-            gi: Some(GlobalIllumination::PathTraced),
-            ..Settings::default()
-        },
-        is_checked: target == 0.003,
-    });
-    let cached = curve(
-        "montecarlo, irradiance cache",
-        Montecarlo,
-        &[
-            (None, &[]),
-            (Some(4), &[]),
-            (Some(16), &[]),
-            (Some(64), &[]),
-        ],
-    );
-    let cached = cached.into_iter().map(|technique| Technique {
-        settings: Settings {
-            gi: Some(GlobalIllumination::Cached),
-            ..technique.settings
-        },
-        ..technique
-    });
-    let mut all = [
-        curve("raytracing", Raytracing, &[(None, &[])]),
-        curve("supersampling: corners", Supersampling, &[(None, &[])]),
-        curve(
+    let path_traced = |name, points: &[(Amount, &[u32])]| {
+        curve(name, Montecarlo, GlobalIllumination::PathTraced, points)
+    };
+    let direct = |name, mode, amounts: &[Amount]| {
+        let points: Vec<(Amount, &[u32])> =
+            amounts.iter().map(|&amount| (amount, &[][..])).collect();
+        curve(name, mode, GlobalIllumination::PathTraced, &points)
+    };
+    let cached = |name, amounts: &[Amount]| {
+        let points: Vec<(Amount, &[u32])> =
+            amounts.iter().map(|&amount| (amount, &[][..])).collect();
+        curve(name, Montecarlo, GlobalIllumination::Cached, &points)
+    };
+    let targets = [TargetError(0.003), TargetError(0.001), TargetError(0.0003)];
+    [
+        direct("raytracing", Raytracing, &[CENTER]),
+        direct("supersampling: corners", Supersampling, &[CORNERS]),
+        direct(
             "supersampling: spread",
-            Raytracing,
-            &[(Some(4), &[]), (Some(16), &[])],
+            Supersampling,
+            &[spread(4), spread(16)],
         ),
-        curve(
+        direct(
+            "supersampling, to a target error",
+            Supersampling,
+            &targets[1..],
+        ),
+        path_traced(
             "montecarlo",
-            Montecarlo,
-            &[(None, &[4]), (None, &[16]), (None, &[64])],
+            &[(CENTER, &[4]), (CENTER, &[16]), (CENTER, &[64])],
         ),
-        curve(
+        path_traced("montecarlo: corners", &[(CORNERS, &[8]), (CORNERS, &[32])]),
+        path_traced(
             "montecarlo, 4 camera samples",
-            Montecarlo,
-            &[(Some(4), &[1]), (Some(4), &[4]), (Some(4), &[16])],
+            &[(spread(4), &[1]), (spread(4), &[4]), (spread(4), &[16])],
         ),
-        curve(
+        path_traced(
             "montecarlo, one path each",
-            Montecarlo,
             &[
-                (Some(4), &[1]),
-                (Some(16), &[1]),
-                (Some(64), &[1]),
-                (Some(256), &[1]),
+                (spread(4), &[1]),
+                (spread(16), &[1]),
+                (spread(64), &[1]),
+                (spread(256), &[1]),
             ],
         ),
-        curve(
+        path_traced(
             "montecarlo, splitting twice",
-            Montecarlo,
-            &[(Some(4), &[2, 2]), (Some(4), &[8, 2])],
+            &[(spread(4), &[2, 2]), (spread(4), &[8, 2])],
         ),
-        curve(
-            "montecarlo-supersampling",
-            MontecarloSupersampling,
-            &[(None, &[8]), (None, &[32])],
+        path_traced(
+            "montecarlo, to a target error",
+            &[
+                (TargetError(0.01), &[2]),
+                (targets[0], &[2]),
+                (targets[1], &[2]),
+            ],
         ),
+        cached(
+            "montecarlo, irradiance cache",
+            &[CENTER, spread(4), spread(16), spread(64)],
+        ),
+        cached("montecarlo, irradiance cache, to a target error", &targets),
     ]
-    .concat();
-    all.extend(cached);
-    all.extend(targets);
-    all
+    .concat()
 }
 
 impl Technique {
@@ -155,7 +164,10 @@ impl Technique {
 
     /// About how many paths each pixel traces, for the progress.
     pub(super) fn paths(&self) -> f64 {
-        let samples = self.settings.samples.unwrap_or(1);
+        let samples = match self.settings.samples {
+            Some(Samples::Spread(count)) => count,
+            _ => 1,
+        };
         let paths = match &self.settings.splits {
             Some(splits) => splits.iter().map(|&split| f64::from(split)).product(),
             None => WITHOUT_PATHS,

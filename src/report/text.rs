@@ -41,9 +41,7 @@ pub(super) fn csv(report: &Report) -> String {
             let numbers: Vec<String> = numbers.iter().map(|n| format!("{n:.6e}")).collect();
             numbers.join(",")
         };
-        let own = m
-            .own_estimate
-            .map_or(String::new(), |own| format!("{own:.6e}"));
+        let own = format!("{:.6e}", m.own_estimate);
         let (width, height) = m.size;
         text += &format!(
             "\"{}\",\"{}\",{width},{height},{},{own},{}\n",
@@ -202,9 +200,7 @@ fn measurements(
     for m in rows {
         let (width, height) = m.size;
         let [low, high] = m.spread;
-        let own = m
-            .own_estimate
-            .map_or(String::new(), |own| format!("{own:.2e}"));
+        let own = format!("{:.2e}", m.own_estimate);
         let [bias_low, bias_high] = m.mean_bias_interval.map(|bias| 100.0 * bias);
         writeln!(
             out,

@@ -30,10 +30,10 @@ impl SobolSequence {
         SobolSequence { seed }
     }
 
-    /// The sequence for A/B half buffer `half` (0 or 1): independent of the other half's and of `self`.
-    pub fn for_half_buffer(self, half: u32) -> SobolSequence {
+    /// One of the sequences of this position, by number: independent of the others and of `self`.
+    pub fn stream(self, number: u32) -> SobolSequence {
         SobolSequence {
-            seed: hash(self.seed ^ (half + 1).wrapping_mul(0x632b_e5ab)),
+            seed: hash(self.seed ^ number.wrapping_add(1).wrapping_mul(0x632b_e5ab)),
         }
     }
 
@@ -195,8 +195,8 @@ mod tests {
             draw(SobolSequence::new(0, 0, 0, 1), 1),
             draw(SobolSequence::new(0, 1, 0, 0), 1),
             draw(SobolSequence::new(1, 0, 0, 0), 1),
-            draw(base.for_half_buffer(0), 1),
-            draw(base.for_half_buffer(1), 1),
+            draw(base.stream(0), 1),
+            draw(base.stream(1), 1),
             draw(base, 2),
             (0..n)
                 .map(|i| f64::from(base.sample_2d(i, 1)[1]) - 0.5)
@@ -205,10 +205,7 @@ mod tests {
                 .map(|i| f64::from(base.sample_1d(i, 1)) - 0.5)
                 .collect(),
         ];
-        let halves = (
-            draw(base.for_half_buffer(0), 2),
-            draw(base.for_half_buffer(1), 2),
-        );
+        let halves = (draw(base.stream(0), 2), draw(base.stream(1), 2));
         let pairs = others.iter().map(|other| (&first, other));
         for (first, other) in pairs.chain([(&halves.0, &halves.1)]) {
             let sum: f64 = first.iter().zip(other).map(|(a, b)| 12.0 * a * b).sum();

@@ -4,7 +4,7 @@ use crate::support::project::{ALL, Project};
 use crate::support::{flythrough, stderr};
 use flythrough::film::Film;
 use flythrough::frames::{FrameFolder, SequenceRecord};
-use flythrough::render::{Claim, FrameSink, RenderedFrame};
+use flythrough::render::{Claim, ErrorEstimate, FrameErrorEstimate, FrameSink, RenderedFrame};
 use std::fs;
 use std::path::Path;
 use std::process::Output;
@@ -101,7 +101,14 @@ pub(crate) fn replace_frames(out: &Path, frames: &[u32], build: &str) {
         let rendered = RenderedFrame {
             film: Film::new(width, height),
             half_difference: None,
-            error: None,
+            error: FrameErrorEstimate {
+                whole: ErrorEstimate {
+                    rel_mse: 0.0,
+                    standard_error: 0.0,
+                },
+                worst_block: 0.0,
+                blurred: 0.0,
+            },
             rays: 0,
             non_finite_samples: 0,
         };

@@ -46,28 +46,32 @@ fn rel_mse(film: &Film, reference: &Film, white: f64) -> f64 {
 }
 
 /// 95 % intervals should hold the true error of 95 in 100 frames. Of 200 frames, fewer than 90 or more than 99 in 100
-/// are within theirs in less than one of 500 cases.
+/// are within theirs in less than one of 500 cases. The truth is the converged picture, whatever the frame's samples.
 #[test]
 fn intervals_hold_the_true_error() {
+    use PixelSampling::{Adaptive, Center, Corners, Spread};
+    let noisy = || monte_carlo(4, &[scaled(4, 4, 16)]);
     let cases = [
-        (PixelSampling::Center, 16, 2048),
-        (PixelSampling::Corners, 16, 2048),
-        (PixelSampling::Spread(4), scaled(4, 4, 16), scaled(8, 8, 32)),
+        (ray_tracing(), Adaptive(0.003)),
+        (noisy(), Center),
+        (ray_tracing(), Center),
+        (ray_tracing(), Spread(1)),
+        (ray_tracing(), Spread(4)),
+        (ray_tracing(), Spread(16)),
+        (ray_tracing(), Corners),
+        (noisy(), Corners),
+        (noisy(), Spread(4)),
+        (noisy(), Adaptive(0.01)),
     ];
-    for &(sampling, splits, reference_splits) in &cases[..scaled(1, 3, 3)] {
+    for (integrator, sampling) in &cases[..scaled(1, 4, cases.len())] {
         let settings = RenderSettings {
             display_white: 0.35,
-            sampling,
-            ..settings(monte_carlo(4, &[splits]), SIZE[0], SIZE[1])
+            sampling: *sampling,
+            ..settings(integrator.clone(), SIZE[0], SIZE[1])
         };
         let reference = frame(
             &RenderSettings {
-                integrator: monte_carlo(4, &[reference_splits]),
-                // With many more camera rays where they are random.
-                sampling: match sampling {
-                    PixelSampling::Spread(_) => PixelSampling::Spread(256),
-                    fixed => fixed,
-                },
+                sampling: Spread(scaled(1024, 1024, 4096)),
                 ..settings.clone()
             },
             1_000_000,
@@ -75,28 +79,73 @@ fn intervals_hold_the_true_error() {
         let runs = (0..200).into_par_iter().map(|seed| {
             let rendered = frame(&settings, seed);
             let true_error = rel_mse(&rendered.film, &reference.film, 0.35);
-            let error = rendered.error.unwrap();
+            let error = rendered.error.whole;
             let [low, high] = error.interval();
             let is_within = (low..=high).contains(&true_error);
             (is_within, error.rel_mse, true_error)
         });
         let runs: Vec<(bool, f64, f64)> = runs.collect();
+        let case = format!("{integrator:?} {sampling:?}");
         let within = runs.iter().filter(|(is_within, ..)| *is_within).count();
-        assert!(
-            (180..=198).contains(&within),
-            "{sampling:?}: {within} of 200"
-        );
+        assert!((180..=198).contains(&within), "{case}: {within} of 200");
         let mean = |of: fn(&(bool, f64, f64)) -> f64| runs.iter().map(of).sum::<f64>() / 200.0;
         let (estimated, measured) = (mean(|run| run.1), mean(|run| run.2));
         assert!(
-            (estimated / measured - 1.0).abs() < 0.02,
-            "{sampling:?}: {estimated} {measured}"
+            (estimated / measured - 1.0).abs() < 0.04,
+            "{case}: {estimated} {measured}"
         );
-        let of_reference = reference.error.unwrap().rel_mse;
-        assert!(
-            of_reference < 0.01 * measured,
-            "{sampling:?}: {of_reference}"
-        );
+        let of_reference = reference.error.whole.rel_mse;
+        assert!(of_reference < 0.01 * measured, "{case}: {of_reference}");
+    }
+}
+
+/// A black wall before a white background covers seven tenths of the pixels of one column: what its one sample in the
+/// middle is off by, and the mean of its corners, is known, in the whole, in the worst block and in the blocks' means.
+#[test]
+fn the_error_of_an_edge_is_the_known_one() {
+    let (width, height) = (16, 12);
+    let scene = scene(
+        "Scene(background: (1, 1, 1), ambient: (0, 0, 0), materials: {\"black\": (diffuse: (0, 0, 0))}, objects: [
+            triangle(vertices: [(0.3, -50, 0), (90, -50, 0), (90, 50, 0)], material: \"black\"),
+            triangle(vertices: [(0.3, -50, 0), (90, 50, 0), (0.3, 50, 0)], material: \"black\"),
+        ])",
+    );
+    // Pixels are 1 wide at the wall, and column 8 is from 0 to 1.
+    let degrees = 2.0 * 0.6_f64.atan().to_degrees();
+    let camera = camera(DVec3::new(0.0, 0.0, 10.0), DVec3::ZERO, degrees);
+    // Of black and white the light is nothing beside the tenth of this.
+    let display_white = 1000.0;
+    for (sampling, off) in [(PixelSampling::Center, 0.3), (PixelSampling::Corners, 0.2)] {
+        let estimates = |seed: u32| {
+            let settings = RenderSettings {
+                seed,
+                sampling,
+                display_white,
+                ..settings(ray_tracing(), width, height)
+            };
+            let error = renderer(&scene, &settings).render_frame(&camera, 0).error;
+            [error.whole.rel_mse, error.worst_block, error.blurred]
+        };
+        let estimates: Vec<[f64; 3]> = (0..200).map(estimates).collect();
+        let square = off * off / f64::from(0.1 * display_white).powi(2);
+        // One column of 16; one of the 8 of a block; the blocks of half of the picture.
+        let expected = [square / 16.0, square / 8.0, 0.5 * square / 64.0];
+        for (of, expected) in expected.into_iter().enumerate() {
+            let values: Vec<f64> = estimates.iter().map(|estimate| estimate[of]).collect();
+            let estimate = Estimate::of(&values);
+            // The estimates of the light are relative to 1e4 and something.
+            let off = (estimate.mean - expected).abs();
+            // The largest of two noisy blocks is a little too large.
+            let more = if of == 1 { 0.1 * expected } else { 0.0 };
+            assert!(
+                off < 4.0 * estimate.error + more,
+                "{sampling:?} {of}: {estimate:?} {expected}"
+            );
+            assert!(
+                estimate.error < 0.05 * expected,
+                "{sampling:?} {of}: {estimate:?}"
+            );
+        }
     }
 }
 
@@ -104,40 +153,35 @@ fn intervals_hold_the_true_error() {
 #[test]
 fn frames_of_a_target_error_reach_it_without_bias() {
     let size = [16, 12];
-    for sampling in [PixelSampling::Spread(4), PixelSampling::Corners] {
+    for (integrator, samples, target) in [(monte_carlo(4, &[2]), 4, 0.01), (ray_tracing(), 1, 0.02)]
+    {
         let plain = RenderSettings {
-            sampling,
-            ..settings(monte_carlo(4, &[2]), size[0], size[1])
+            sampling: PixelSampling::Spread(samples),
+            ..settings(integrator, size[0], size[1])
         };
         let adaptive = RenderSettings {
-            target_error: Some(0.01),
+            target_error: Some(target),
             ..plain.clone()
         };
         let rendered: Vec<RenderedFrame> = (0..32).map(|seed| frame(&adaptive, seed)).collect();
-        let rays = |frame: &RenderedFrame| frame.rays;
         for rendered in &rendered {
-            let error = rendered.error.unwrap();
-            assert!(error.interval()[1] <= 0.01, "{error:?}");
+            let error = rendered.error.whole;
+            assert!(error.interval()[1] <= target, "{error:?}");
             // Not far below the target.
-            assert!(error.rel_mse > 0.001, "{error:?}");
+            assert!(error.rel_mse > 0.03 * target, "{error:?}");
         }
         let few = frame(&plain, 0);
-        assert!(few.error.unwrap().rel_mse > 0.02);
-        assert!(rendered.iter().map(rays).min().unwrap() > 2 * few.rays);
+        assert!(few.error.whole.rel_mse > 2.0 * target);
         let adaptive: Vec<Vec<f64>> = rendered.iter().map(|r| channels(r.film.pixels())).collect();
         let reference = RenderSettings {
-            integrator: monte_carlo(4, &[64]),
-            sampling: match sampling {
-                PixelSampling::Spread(_) => PixelSampling::Spread(32),
-                fixed => fixed,
-            },
+            sampling: PixelSampling::Spread(256),
             ..plain
         };
         let reference = runs(&ROOM.0, &ROOM.1, &reference, 1_000_000..1_000_032);
         let agreement = Agreement::of(&estimates(&adaptive), &estimates(&reference), 31, 0.0);
-        assert!(agreement.holds(), "{sampling:?}: {agreement:?}");
-        // 1.07 for 31 degrees of freedom, with a standard deviation of 0.15 for 192 pixels that share corner samples.
-        assert!((0.7..1.5).contains(&agreement.mean_square), "{agreement:?}");
+        assert!(agreement.holds(), "{samples} samples: {agreement:?}");
+        // 1.07 for 31 degrees of freedom, with a standard deviation of 0.11 for 192 pixels.
+        assert!((0.6..1.6).contains(&agreement.mean_square), "{agreement:?}");
     }
 }
 
@@ -203,20 +247,29 @@ fn half_buffers_are_independent() {
     );
 }
 
+/// Whole blocks and pixels that nothing disturbs have no error.
 #[test]
-fn frames_without_monte_carlo_noise_have_no_error() {
-    for settings in [
-        settings(ray_tracing(), 8, 6),
-        spread(ray_tracing(), [8, 6], 4),
-        settings(monte_carlo(0, &[]), 8, 6),
+fn even_light_has_no_error() {
+    let nothing = scene("Scene(background: (0.5, 0.25, 1), objects: [])");
+    for sampling in [
+        PixelSampling::Center,
+        PixelSampling::Corners,
+        PixelSampling::Spread(3),
+        PixelSampling::Adaptive(1e-6),
     ] {
-        assert!(frame(&settings, 0).error.is_none());
+        let settings = RenderSettings {
+            sampling,
+            ..settings(ray_tracing(), 21, 10)
+        };
+        let frame = renderer(&nothing, &settings).render_frame(&ROOM.1, 0);
+        let error = frame.error;
+        assert_eq!(error.whole.interval(), [0.0, 0.0], "{sampling:?}");
+        assert_eq!(
+            [error.worst_block, error.blurred],
+            [0.0, 0.0],
+            "{sampling:?}"
+        );
     }
-    assert!(
-        frame(&spread(monte_carlo(0, &[]), [8, 6], 4), 0)
-            .error
-            .is_some()
-    );
 }
 
 /// In frames of one pixel or one row pixels have fewer neighbours, or none.
@@ -229,9 +282,9 @@ fn small_frames_have_an_error_estimate() {
                 target_error: Some(0.05),
                 ..settings(monte_carlo(2, &[4]), width, height)
             };
-            let error = frame(&settings, 0).error.unwrap();
+            let error = frame(&settings, 0).error.whole;
             assert!(error.rel_mse > 0.0, "{error:?}");
-            assert!(error.standard_error.is_finite() && error.interval()[1] <= 0.05);
+            assert!(error.standard_error.is_finite(), "{error:?}");
         }
     }
 }

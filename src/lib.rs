@@ -18,8 +18,8 @@
 //! let renderer = Renderer::new(&scene.scene, settings.resolve(1), None)?;
 //! let mut film = renderer.render_frame(&path.path.camera(10), 10).film;
 //! film.expose(settings.exposure.unwrap_or(0.0));
-//! write_png(&film, &file)?;
-//! # assert_eq!(image::open(&file)?.into_rgb8().into_raw(), film.to_srgb8());
+//! write_png(&film, 10, &file)?;
+//! # assert_eq!(image::open(&file)?.into_rgb8().into_raw(), film.to_srgb8_dithered(10));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

@@ -127,6 +127,7 @@ impl Chart {
         Y: Ranged<ValueType = f64> + ValueFormatter<f64>,
     {
         let small = (FONT, 13);
+        let [ends, heights] = [chart.x_range(), chart.y_range()];
         chart
             .configure_mesh()
             .x_desc(visible(&self.x.label))
@@ -135,10 +136,9 @@ impl Chart {
             .axis_desc_style(small)
             .bold_line_style(BLACK.mix(0.15))
             .light_line_style(BLACK.mix(0.05))
-            .x_label_formatter(&|value| label(*value))
-            .y_label_formatter(&|value| label(*value))
+            .x_label_formatter(&|value| self.x.label(*value, &ends))
+            .y_label_formatter(&|value| self.y.label(*value, &heights))
             .draw()?;
-        let ends = chart.x_range();
         for &y in &self.guides {
             let ends = [(ends.start, y), (ends.end, y)];
             chart.draw_series(DashedLineSeries::new(
@@ -225,19 +225,42 @@ fn range(values: impl Iterator<Item = f64> + Clone, axis: &Axis) -> Range<f64> {
     low - margin..high + margin
 }
 
-/// A short label of a number at an axis.
-fn label(value: f64) -> String {
-    if value == 0.0 || (1e-3..1e5).contains(&value.abs()) {
-        let text = format!("{value:.4}");
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        format!("{value:.0e}")
+impl Axis {
+    /// A short label of a number at the axis. Its digits tell it from its neighbours: on a linear scale they are a tenth
+    /// of the range apart or more, on a logarithmic one they are other powers of ten.
+    fn label(&self, value: f64, range: &Range<f64>) -> String {
+        let span = match self.logarithmic {
+            true => value.abs(),
+            false => range.end - range.start,
+        };
+        // What rounding leaves of zero.
+        if value.abs() < 1e-6 * span {
+            return "0".to_owned();
+        }
+        let place = |number: f64| number.abs().log10().floor() as i32;
+        let last = place(span) - 1;
+        let short = |digits: &str| match digits.contains('.') {
+            true => digits
+                .trim_end_matches('0')
+                .trim_end_matches('.')
+                .to_owned(),
+            false => digits.to_owned(),
+        };
+        if (1e-3..1e5).contains(&value.abs()) {
+            let decimals = (-last).max(0) as usize;
+            return short(&format!("{value:.decimals$}"));
+        }
+        let decimals = (place(value) - last).max(0) as usize;
+        let scientific = format!("{value:.decimals$e}");
+        let (digits, exponent) = scientific.split_once('e').expect("an exponent");
+        format!("{}e{exponent}", short(digits))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::collections::BTreeSet;
 
     fn chart(logarithmic: bool, series: Vec<Vec<[f64; 4]>>, size: (u32, u32)) -> Chart {
         let axis = |label: &str| Axis {
@@ -350,14 +373,60 @@ mod tests {
 
     #[test]
     fn labels_are_short() {
+        let axis = |logarithmic| Axis {
+            label: String::new(),
+            logarithmic,
+        };
         for (value, expected) in [
-            (0.0, "0"),
             (0.01, "0.01"),
             (1.0, "1"),
             (1e-4, "1e-4"),
-            (250.0, "250"),
+            (1000.0, "1000"),
+            (1e7, "1e7"),
         ] {
-            assert_eq!(label(value), expected);
+            assert_eq!(axis(true).label(value, &(1e-5..1e8)), expected);
+        }
+        for (value, range, expected) in [
+            (0.0, 0.0..1.0, "0"),
+            (-1e-17, -1.0..1.0, "0"),
+            (250.0, 0.0..300.0, "250"),
+            (-0.5, -1.0..1.0, "-0.5"),
+            (6.5e-4, 6e-4..8e-4, "6.5e-4"),
+            (1e-3, 6e-4..1.1e-3, "0.001"),
+            (1_234_567.0, 1_234_560.0..1_234_580.0, "1.234567e6"),
+        ] {
+            assert_eq!(axis(false).label(value, &range), expected);
+        }
+    }
+
+    /// Errors of frames that differ little, and other ranges.
+    #[test]
+    fn ticks_have_labels_of_their_own() {
+        for (low, high) in [
+            (6.1e-4, 8.3e-4),
+            (6.1e-4, 6.3e-4),
+            (1e-12, 9e-12),
+            (-0.002, 0.003),
+            (99_990.0, 100_010.0),
+            (1e6, 1e6 + 20.0),
+            (0.0, 1.0),
+        ] {
+            let points = vec![[0.0, low, low, low], [7.0, high, high, high]];
+            let mut chart = chart(false, vec![points], (720, 240));
+            chart.guides.clear();
+            let svg = chart.to_svg().expect("drawn");
+            let mut lines = svg.lines();
+            let mut labels = Vec::new();
+            while let Some(line) = lines.next() {
+                if line.starts_with("<text") && line.contains("text-anchor=\"end\"") {
+                    labels.extend(lines.next());
+                }
+            }
+            let distinct: BTreeSet<&str> = labels.iter().copied().collect();
+            assert!(
+                labels.len() > 3 && distinct.len() == labels.len(),
+                "{labels:?}"
+            );
         }
     }
 }

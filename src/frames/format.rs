@@ -55,10 +55,10 @@ impl FrameFormat {
         }
     }
 
-    /// The pixels of a film as a file stores them.
-    pub(super) fn encode_pixels(self, film: &Film) -> EncodedPixels {
+    /// The pixels of a film as a file stores them; those of 8 bits dithered, which depends on the number of the frame.
+    pub(super) fn encode_pixels(self, film: &Film, frame: u32) -> EncodedPixels {
         let samples = match self {
-            FrameFormat::Png => film.to_srgb8(),
+            FrameFormat::Png => film.to_srgb8_dithered(frame),
             FrameFormat::Png16 => film.to_srgb16_be(),
             FrameFormat::Exr => exr::samples(film),
         };
@@ -126,9 +126,10 @@ fn linear_codes(most: u16) -> Vec<f32> {
 }
 
 /// Writes a film as a PNG file of 8 bits for each channel, sRGB, whole or not at all. Radiance of 1 is white; what is
-/// brighter is clipped: see [`Film::expose`].
-pub fn write_png(film: &Film, file: &Path) -> Result<(), FileError> {
-    let pixels = FrameFormat::Png.encode_pixels(film);
+/// brighter is clipped: see [`Film::expose`]. Codes are dithered, differently for each number of a frame: see
+/// [`Film::to_srgb8_dithered`].
+pub fn write_png(film: &Film, frame: u32, file: &Path) -> Result<(), FileError> {
+    let pixels = FrameFormat::Png.encode_pixels(film, frame);
     let bytes = FrameFormat::Png.encode(&pixels, "");
     write_atomic(
         file,
@@ -141,6 +142,7 @@ mod tests {
     use super::*;
     use std::io::Cursor;
 
+    const FRAME: u32 = 7;
     const METADATA: &str = "Frame(frame:7,error:None)";
     const FORMATS: [FrameFormat; 3] = [FrameFormat::Png, FrameFormat::Png16, FrameFormat::Exr];
 
@@ -154,14 +156,14 @@ mod tests {
 
     fn file(format: FrameFormat) -> Vec<u8> {
         format
-            .encode(&format.encode_pixels(&film()), METADATA)
+            .encode(&format.encode_pixels(&film(), FRAME), METADATA)
             .expect("encodes")
     }
 
     #[test]
     fn png_files_hold_the_codes_and_say_srgb() {
         for (format, codes) in [
-            (FrameFormat::Png, film().to_srgb8()),
+            (FrameFormat::Png, film().to_srgb8_dithered(FRAME)),
             (FrameFormat::Png16, film().to_srgb16_be()),
         ] {
             let mut reader = png::Decoder::new(Cursor::new(file(format)))
@@ -201,7 +203,7 @@ mod tests {
             );
             let contents = format.decode(&file(format), (3, 2)).expect("whole");
             assert_eq!(contents.metadata.as_deref(), Some(METADATA));
-            let pixels = format.encode_pixels(&film());
+            let pixels = format.encode_pixels(&film(), FRAME);
             assert_eq!(pixels.samples.len(), 18 * format.bytes_per_channel());
             assert!(contents.pixels == Some(pixels));
             let other = format.decode(&file(format), (2, 3)).expect("whole");
@@ -211,19 +213,25 @@ mod tests {
 
     #[test]
     fn encoded_pixels_give_back_the_film() {
-        for (format, steps) in FORMATS.into_iter().zip([255.0, 65535.0, f32::INFINITY]) {
-            let told = format.film(&format.encode_pixels(&film()));
+        let precisions = [(1.0, 255.0), (0.5, 65535.0), (0.0, 1.0)];
+        for (format, (codes, steps)) in FORMATS.into_iter().zip(precisions) {
+            let encoded = format.encode_pixels(&film(), FRAME);
+            let told = format.film(&encoded);
             assert_eq!((told.width(), told.height()), (3, 2));
             let shown = |pixel: &Vec3| match format {
                 FrameFormat::Exr => *pixel,
                 _ => pixel.min(Vec3::ONE),
             };
             for (told, pixel) in told.pixels().iter().zip(film().pixels()) {
-                // Nowhere is the curve steeper in linear light than 2.3 codes to a code.
+                // Nowhere is the curve steeper in linear light than 2.3 codes to a code. Dithered codes are less than one
+                // off, rounded ones half of one.
                 let error = (told - shown(pixel)).abs().max_element();
-                assert!(error <= 0.5 * 2.3 / steps, "{format:?}: {told} of {pixel}");
+                assert!(
+                    error <= codes * 2.3 / steps,
+                    "{format:?}: {told} of {pixel}"
+                );
             }
-            assert!(format.encode_pixels(&told) == format.encode_pixels(&film()));
+            assert!(format.encode_pixels(&told, 0) == encoded);
         }
     }
 

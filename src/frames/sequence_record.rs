@@ -76,7 +76,7 @@ impl SequenceRecord {
         }
         let error = FrameError::from(error);
         let encode = |format: FrameFormat, film: &Film| -> Result<Vec<u8>, SinkError> {
-            let pixels = format.encode_pixels(film);
+            let pixels = format.encode_pixels(film, frame);
             let record = FrameRecord {
                 frame,
                 build: self.build.clone(),

@@ -46,12 +46,13 @@ impl Bsdf {
         Vec3::ONE - self.mirror_weight::<F>()
     }
 
-    /// The mean of three, weighted by barycentric coordinates that sum to 1.
+    /// The mean of three, weighted by barycentric coordinates that sum to 1. It is never outside the range of the
+    /// three, where rounding would take it: a mirror of more than all light leaves the base layer less than none.
     pub fn barycentric(vertices: [Bsdf; 3], weights: [f32; 3]) -> Bsdf {
         let mix = |of: fn(&Bsdf) -> Vec3| {
-            of(&vertices[0]) * weights[0]
-                + of(&vertices[1]) * weights[1]
-                + of(&vertices[2]) * weights[2]
+            let [a, b, c] = [of(&vertices[0]), of(&vertices[1]), of(&vertices[2])];
+            let mean = a * weights[0] + b * weights[1] + c * weights[2];
+            mean.clamp(a.min(b).min(c), a.max(b).max(c))
         };
         Bsdf {
             diffuse: mix(|r| r.diffuse),
@@ -110,6 +111,7 @@ pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
 mod tests {
     use super::super::features::FeatureMask;
     use super::*;
+    use crate::sampling::Random;
 
     const PLASTIC: Bsdf = Bsdf {
         diffuse: Vec3::new(0.5, 0.25, 0.0),
@@ -160,5 +162,28 @@ mod tests {
         assert_eq!(mixed.specular, Vec3::splat(0.25));
         assert_eq!(mixed.shininess, 6.0);
         assert_eq!(mixed.reflective, Vec3::new(0.5, 0.0, 0.0));
+    }
+
+    /// Barycentric coordinates as they are rounded, at the edges and far beyond.
+    #[test]
+    fn mixtures_stay_within_their_vertices() {
+        let mirror = Bsdf {
+            diffuse: Vec3::ZERO,
+            reflective: Vec3::ONE,
+            ..PLASTIC
+        };
+        let mut random = Random::new(1);
+        for _ in 0..1000 {
+            let [b, c] = [random.unit(), random.unit()];
+            let off = 1.0 + 1e-6 * (random.unit() - 0.5);
+            let weights = [(1.0 - b - c) * off, b * off, c * off];
+            for equal in [PLASTIC, mirror] {
+                assert_eq!(Bsdf::barycentric([equal; 3], weights), equal);
+            }
+            let mixed = Bsdf::barycentric([PLASTIC, mirror, mirror], weights);
+            let base = mixed.base_weight::<FeatureMask<4>>();
+            assert!(base.min_element() >= 0.0 && base.max_element() <= 1.0);
+            assert!(mixed.diffuse.min_element() >= 0.0 && mixed.diffuse.x <= 0.5);
+        }
     }
 }

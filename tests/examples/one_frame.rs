@@ -32,6 +32,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let renderer = Renderer::new(&scene.scene, settings.resolve(1), None)?;
     let mut film = renderer.render_frame(&path.path.camera(frame), frame).film;
     film.expose(settings.exposure.unwrap_or(0.0));
-    write_png(&film, Path::new(file))?;
+    write_png(&film, frame, Path::new(file))?;
     Ok(())
 }

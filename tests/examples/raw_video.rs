@@ -48,10 +48,10 @@ impl FrameSink for RawVideo {
         Ok(Claim::Granted(()))
     }
 
-    fn encode(&self, _: u32, mut rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
+    fn encode(&self, frame: u32, mut rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
         rendered.film.expose(self.exposure);
         Ok(EncodedFrame {
-            image: rendered.film.to_srgb8(),
+            image: rendered.film.to_srgb8_dithered(frame),
             error_map: None,
         })
     }

@@ -190,6 +190,29 @@ fn per_vertex_materials_mix() {
     assert_close(seen, 0.75 * diffuse + 0.25 * Vec3::new(0.0, 0.0, 4.0), 1e-5);
 }
 
+/// Barycentric coordinates are rounded, and may sum to more than 1: the diffuse part of mixed mirrors is none, not less.
+#[test]
+fn mixed_mirrors_have_no_light_of_their_own() {
+    let scene = scene(
+        "Scene(
+            materials: {\"mirror\": (diffuse: (1, 1, 1), reflective: (1, 1, 1))},
+            lights: [(position: (1, 1, 4), intensity: (1e6, 1e6, 1e6), falloff: constant)],
+            objects: [
+                triangle(
+                    vertices: [(-2.7, -3.1, 0), (3.3, -2.7, 0), (0.1, 3.5, 0)],
+                    vertex_materials: [\"mirror\", \"mirror\", \"mirror\"],
+                ),
+            ],
+        )",
+    );
+    let camera = camera(DVec3::new(0.2, 0.1, 4.0), DVec3::ZERO, 50.0);
+    for integrator in [ray_tracing(), monte_carlo(2, &[2])] {
+        for pixel in render(&scene, &camera, &settings(integrator, 64, 48)) {
+            assert_eq!(pixel, Vec3::ZERO);
+        }
+    }
+}
+
 /// Where all diffuse colours are black, indirect light adds nothing.
 #[test]
 fn without_diffuse_surfaces_montecarlo_is_direct_light() {

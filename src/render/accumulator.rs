@@ -43,20 +43,23 @@ impl SampleAccumulator {
         let counts = rows.map(|(row, (moments, counts))| {
             let tiles = grid.tiles_of_row(row).into_par_iter().map(|tile| {
                 let is_stopped = observer.is_stopped();
-                let points = grid.tile_points(tile).into_iter();
-                let runs = points.flat_map(|point| {
-                    let index = grid.index(point) * halves;
-                    let counts = &counts[index - row * per_row..][..halves];
-                    (0..halves).map(move |half| SampleRun {
-                        point,
-                        sequence: sampler.sequence(half),
-                        first: counts[half],
-                        end: wanted(index + half),
-                    })
-                });
-                let runs: Vec<SampleRun> = runs
-                    .filter(|run| run.end > run.first && !is_stopped)
-                    .collect();
+                let points = grid.tile_points(tile);
+                let mut runs = Vec::with_capacity(halves * points.len());
+                for point in points {
+                    for half in 0..halves {
+                        let index = grid.index(point) * halves + half;
+                        let (first, end) = (counts[index - row * per_row], wanted(index));
+                        if end > first && !is_stopped {
+                            let sequence = sampler.sequence(half);
+                            runs.push(SampleRun {
+                                point,
+                                sequence,
+                                first,
+                                end,
+                            });
+                        }
+                    }
+                }
                 let mut work = Work::default();
                 let moments = sampler.moments(&runs, &mut work);
                 observer.tile_done(work.query_state.rays);

@@ -58,11 +58,13 @@ impl Survey {
             let around = mean_around(&pixels, width, row, column);
             around.variance() / (around.mean.length_squared() / 3.0 + floor)
         };
-        let variance = &variance;
-        let rows = (0..pixels.len() / width).into_par_iter();
-        let variances =
-            rows.flat_map_iter(|row| (0..width).map(move |column| variance(row, column)));
-        let mut variances: Vec<f32> = variances.collect();
+        let mut variances = vec![0.0; pixels.len()];
+        let rows = variances.par_chunks_exact_mut(width).enumerate();
+        rows.for_each(|(row, variances)| {
+            for (column, value) in variances.iter_mut().enumerate() {
+                *value = variance(row, column);
+            }
+        });
         let least = MIN_RELATIVE_VARIANCE * mean(&variances) as f32;
         variances.par_iter_mut().for_each(|v| *v = v.max(least));
         let mut survey = Survey {

@@ -44,7 +44,11 @@ impl Block {
 
     /// The indices of its pixels, row by row.
     pub(super) fn pixels(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.len()).map(|number| self.pixel(number))
+        let rows = self.rows.clone();
+        rows.flat_map(|row| {
+            let first = row * self.width;
+            first + self.columns.start..first + self.columns.end
+        })
     }
 
     /// Another pixel of the block than `pixel`, by a number in 0..1; `pixel` itself if there is no other.

@@ -5,7 +5,7 @@ use super::adaptive::Survey;
 use super::error_estimate::FrameErrorEstimate;
 use super::grid::{Grid, average_corners};
 use super::half_buffer_error::HalfBufferError;
-use super::held_out::ErrorEstimator;
+use super::held_out::{ErrorEstimator, PixelSamples};
 use super::observer::{NoObserver, RenderObserver};
 use super::picture::Picture;
 use super::sampler::{Moments, Sampler};
@@ -161,19 +161,16 @@ impl Renderer<'_> {
         sampler: &Sampler,
         round: u32,
     ) -> FrameErrorEstimate {
-        let halves = sampler.half_buffers;
-        let of_pixel = |pixel: usize| match self.settings.sampling {
-            PixelSampling::Corners => halves as u32,
-            _ => samples.counts[pixel * halves..][..halves].iter().sum(),
-        };
-        let is_biased = has_fixed_positions(self.settings.sampling);
-        let is_known =
-            |pixel: usize| !is_biased && halves == 2 && samples.counts[2 * pixel + 1] > 0;
+        let half_buffers = sampler.half_buffers as u32;
         let estimator = ErrorEstimator {
             picture,
             expected_errors,
-            samples: &of_pixel,
-            is_known: &is_known,
+            samples: match self.settings.sampling {
+                PixelSampling::Center | PixelSampling::Corners => PixelSamples::Whole(half_buffers),
+                _ if self.settings.is_adaptive() => PixelSamples::Listed(&samples.counts),
+                _ if half_buffers == 2 => PixelSamples::Halves(2 * sampler.first),
+                _ => PixelSamples::Whole(sampler.first),
+            },
         };
         let (error, work) = estimator.estimate(&sampler.of_whole_pixels(), round);
         samples.rays += work.query_state.rays;
@@ -216,11 +213,6 @@ impl Renderer<'_> {
             display_white: self.settings.display_white,
         }
     }
-}
-
-/// Whether samples lie at fixed places of a pixel: more of them would not make a picture of whole pixels.
-fn has_fixed_positions(sampling: PixelSampling) -> bool {
-    matches!(sampling, PixelSampling::Center | PixelSampling::Corners)
 }
 
 /// The pixels from the points' values.

@@ -38,10 +38,36 @@ pub(super) struct ErrorEstimator<'a> {
     pub(super) picture: &'a Picture,
     /// The expected squared error of each pixel, relative to the square of the radiance; up to a factor.
     pub(super) expected_errors: Vec<f32>,
-    /// How many samples each pixel has.
-    pub(super) samples: &'a (dyn Fn(usize) -> u32 + Sync),
+    pub(super) samples: PixelSamples<'a>,
+}
+
+/// How many samples the pixels of a picture have.
+#[derive(Clone, Copy)]
+pub(super) enum PixelSamples<'a> {
+    /// So many each, at fixed places or in one buffer: half buffers, if there are any, do not know all of the error.
+    Whole(u32),
+    /// So many each, half of them in each half buffer.
+    Halves(u32),
+    /// As many as are listed, half buffer by half buffer. Where the second one has none, half buffers know nothing.
+    Listed(&'a [u32]),
+}
+
+impl PixelSamples<'_> {
+    fn of(self, pixel: usize) -> u32 {
+        match self {
+            PixelSamples::Whole(count) | PixelSamples::Halves(count) => count,
+            PixelSamples::Listed(counts) => counts[2 * pixel] + counts[2 * pixel + 1],
+        }
+    }
+
     /// Whether half buffers know all of a pixel's error.
-    pub(super) is_known: &'a (dyn Fn(usize) -> bool + Sync),
+    fn is_known(self, pixel: usize) -> bool {
+        match self {
+            PixelSamples::Whole(_) => false,
+            PixelSamples::Halves(_) => true,
+            PixelSamples::Listed(counts) => counts[2 * pixel + 1] > 0,
+        }
+    }
 }
 
 /// A pixel that is held out.
@@ -61,7 +87,7 @@ impl ErrorEstimator<'_> {
     pub(super) fn estimate(&self, sampler: &Sampler, round: u32) -> (FrameErrorEstimate, Work) {
         let half_buffers = HalfBufferError::of(self.picture);
         let held_out = self.hold_out(sampler, round);
-        let worst_blocks = self.worst_blocks();
+        let worst_blocks = self.worst_blocks(half_buffers.as_ref());
         let mut pixels = Vec::new();
         for chosen in &held_out {
             let count = self.samples_of_estimate(chosen.pixel);
@@ -128,33 +154,36 @@ impl ErrorEstimator<'_> {
 
     /// Chooses pixels for about the part of the samples that they may take.
     fn hold_out(&self, sampler: &Sampler, round: u32) -> Vec<HeldOutPixel> {
-        let count = self.expected_errors.len();
-        let (mut unknown, mut sum) = (0, 0.0);
-        for pixel in (0..count).filter(|&pixel| !(self.is_known)(pixel)) {
-            unknown += 1;
-            sum += f64::from(self.expected_errors[pixel]);
-        }
-        if unknown == 0 {
+        if let PixelSamples::Halves(_) = self.samples {
             return Vec::new();
         }
+        let count = self.expected_errors.len();
+        let (mut unknown, mut expected, mut samples) = (0, 0.0, 0.0);
+        for (pixel, &error) in self.expected_errors.iter().enumerate() {
+            samples += f64::from(self.samples.of(pixel));
+            if !self.samples.is_known(pixel) {
+                unknown += 1;
+                expected += f64::from(error);
+            }
+        }
+        let of_all = count as f64 / f64::from(unknown.max(1));
         let density = |pixel: usize| {
-            let of_all = count as f64 / f64::from(unknown);
-            if (self.is_known)(pixel) {
+            if self.samples.is_known(pixel) {
                 0.0
-            } else if sum.is_normal() {
-                let part = f64::from(self.expected_errors[pixel]) / sum * count as f64;
+            } else if expected.is_normal() {
+                let part = f64::from(self.expected_errors[pixel]) / expected * count as f64;
                 (1.0 - EQUAL_PART) * part + EQUAL_PART * of_all
             } else {
                 of_all
             }
         };
-        let (mut samples, mut per_choice) = (0.0, 0.0);
-        for pixel in 0..count {
-            samples += f64::from((self.samples)(pixel));
-            per_choice += density(pixel) * 2.0 * f64::from(self.samples_of_estimate(pixel));
-        }
         let has_partners = self.picture.half_difference.is_none();
-        per_choice *= if has_partners { 2.0 } else { 1.0 } / count as f64;
+        // All pixels that are not known have as many samples.
+        let of_estimate = match self.samples {
+            PixelSamples::Whole(count) | PixelSamples::Halves(count) => count / 2,
+            PixelSamples::Listed(_) => 1,
+        };
+        let per_choice = f64::from(2 * of_estimate.max(1) * if has_partners { 2 } else { 1 });
         let choices = ((FRACTION * samples).max(LEAST_SAMPLES) / per_choice).ceil();
         let step = count as f64 / choices;
         let random = sampler.frame_sequence(round);
@@ -181,15 +210,15 @@ impl ErrorEstimator<'_> {
         held_out
     }
 
-    /// The blocks whose error is expected to be largest.
-    fn worst_blocks(&self) -> Vec<Block> {
-        let mut worst: Vec<(f32, Block)> = Vec::new();
+    /// The blocks whose error is expected to be largest: by half buffers, if there are any.
+    fn worst_blocks(&self, half_buffers: Option<&HalfBufferError>) -> Vec<Block> {
+        let expected = |pixel: usize| match half_buffers {
+            Some(half_buffers) => half_buffers.square(pixel),
+            None => f64::from(self.expected_errors[pixel]),
+        };
+        let mut worst: Vec<(f64, Block)> = Vec::new();
         for block in Block::all(self.picture.width(), self.picture.height()) {
-            let sum: f32 = block
-                .pixels()
-                .map(|pixel| self.expected_errors[pixel])
-                .sum();
-            let expected = sum / block.len() as f32;
+            let expected = block.pixels().map(expected).sum::<f64>() / block.len() as f64;
             let place = worst.partition_point(|(other, _)| *other >= expected);
             if place < WORST_BLOCKS {
                 worst.insert(place, (expected, block));
@@ -201,7 +230,7 @@ impl ErrorEstimator<'_> {
 
     /// How many samples each of the two estimates of a pixel has: both together about as many as the pixel.
     fn samples_of_estimate(&self, pixel: usize) -> u32 {
-        ((self.samples)(pixel) / 2).max(1)
+        (self.samples.of(pixel) / 2).max(1)
     }
 
     /// The errors of pixels by two independent estimates each, of these samples.

@@ -85,10 +85,14 @@ impl Picture {
             let mean = 0.25 * neighbours.into_iter().sum::<Vec3>();
             squares.into_iter().sum::<f32>() / (mean.length_squared() / 3.0 + floor)
         };
-        let contrast = &contrast;
-        let rows = (0..rows.len()).into_par_iter();
-        rows.flat_map_iter(|row| (0..width).map(move |column| contrast(row, column)))
-            .collect()
+        let mut contrasts = vec![0.0; self.film.pixels().len()];
+        let rows = contrasts.par_chunks_exact_mut(width).enumerate();
+        rows.for_each(|(row, contrasts)| {
+            for (column, value) in contrasts.iter_mut().enumerate() {
+                *value = contrast(row, column);
+            }
+        });
+        contrasts
     }
 }
 

@@ -145,14 +145,18 @@ fn radiance_for<F: Features>(
 ) {
     let scene = integrator.scene;
     let rays: Vec<Ray> = samples.iter().map(|sample| sample.ray).collect();
-    let surfaces = coherent_surfaces::<F>(scene, &rays, query_state);
-    let direct = direct_lighting_coherent::<F>(scene, &surfaces, &rays, query_state);
+    let mut differentials = Vec::new();
+    if F::TEXTURES {
+        differentials.extend(samples.iter().map(|sample| sample.differential));
+    }
+    let hit = coherent_surfaces::<F>(scene, &rays, &differentials, query_state);
+    let direct = direct_lighting_coherent::<F>(scene, &hit.surfaces, &rays, query_state);
     match &integrator.method {
         Method::Whitted { bounces } => {
             let ambient = ambient(scene);
             let indirect =
                 |wavefront: &Wavefront, _: &mut QueryState| vec![ambient; wavefront.surfaces.len()];
-            let first = Wavefront::of_camera(rays, surfaces, direct, *bounces);
+            let first = Wavefront::of_camera(rays, hit, direct, *bounces);
             whitted::radiance::<F>(scene, first, indirect, query_state, radiance);
         }
         Method::Cached {
@@ -167,7 +171,7 @@ fn radiance_for<F: Features>(
             let indirect = |wavefront: &Wavefront, query_state: &mut QueryState| {
                 cached.indirect::<F>(wavefront, query_state)
             };
-            let first = Wavefront::of_camera(rays, surfaces, direct, cache.bounces());
+            let first = Wavefront::of_camera(rays, hit, direct, cache.bounces());
             whitted::radiance::<F>(scene, first, indirect, query_state, radiance);
         }
         Method::PathTraced {
@@ -183,7 +187,7 @@ fn radiance_for<F: Features>(
                 query_state,
                 features: PhantomData,
             };
-            path_tracer.camera_radiance(samples, &surfaces, &direct, radiance);
+            path_tracer.camera_radiance(samples, &hit, &direct, radiance);
         }
     }
 }

@@ -85,6 +85,7 @@ impl<'a> Sampler<'a> {
         let mut batch = Batch::default();
         for (number, &(x, y)) in points.iter().enumerate() {
             let (first, last) = passes((x, y));
+            let (width, moved) = self.footprint(last);
             let corner = DVec2::new(x.into(), y.into());
             let sequence = SobolSequence::new(self.seed, self.frame, x, y);
             for half in 0..self.half_buffers {
@@ -101,9 +102,10 @@ impl<'a> Sampler<'a> {
                             corner + DVec2::new(u.into(), v.into())
                         }
                     };
-                    let ray = self.rays.through(film);
+                    let middle = film.lerp(corner + 0.5, moved);
                     batch.samples.push(CameraSample {
-                        ray,
+                        ray: self.rays.through(film),
+                        differential: self.rays.differential(film, middle, width),
                         sequence,
                         index,
                     });
@@ -122,6 +124,27 @@ impl<'a> Sampler<'a> {
         let sums = sums.into_iter().enumerate();
         sums.map(|(number, sum)| (sum / count(number)).as_vec3())
             .collect()
+    }
+
+    /// The width in pixels of the square over which each sample of a point filters textures once the point has so many
+    /// passes, and how far the middle of the square is moved from the sample to the middle of the pixel: 0 not at all, 1
+    /// all the way.
+    ///
+    /// The squares of all samples cover a pixel twice, tuned for the least error: their width falls to 0 as the number of
+    /// samples grows. They are moved so that the positions that they cover have the variance of those of the pixel: it
+    /// would be blurred otherwise.
+    fn footprint(&self, passes: u32) -> (f64, f64) {
+        if self.integrator.scene().textures().is_empty() {
+            return (0.0, 0.0);
+        }
+        match self.sampling {
+            PixelSampling::Center | PixelSampling::Corners => (1.0, 0.0),
+            PixelSampling::Spread(_) => {
+                let samples = f64::from(passes) * f64::from(self.samples);
+                let area = (2.0 / (samples * self.half_buffers as f64)).min(1.0);
+                (area.sqrt(), 1.0 - (1.0 - area).sqrt())
+            }
+        }
     }
 
     /// Adds the radiance of up to [`BATCH`] samples to the sums that they belong to, and clears the batch.

@@ -2,6 +2,7 @@
 
 use crate::support::*;
 use flythrough::integrator::{CameraSample, Integrator};
+use flythrough::math::RayDifferential;
 use flythrough::render::{PixelSampling, RenderSettings};
 use glam::Vec3;
 
@@ -65,6 +66,7 @@ fn corners_equal_four_samples_of_each_pixel() {
                 let sequence = flythrough::sampling::SobolSequence::new(0, 0, 0, 0);
                 let sample = CameraSample {
                     ray,
+                    differential: RayDifferential::ZERO,
                     sequence,
                     index: 0,
                 };

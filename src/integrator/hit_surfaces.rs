@@ -99,18 +99,15 @@ pub(super) fn ambient(scene: &Scene) -> Vec3 {
 
 /// The ray that `ray` continues in by mirror reflection at the surface.
 pub(super) fn spawn_reflected_ray(surface: &SurfaceInteraction, ray: &Ray) -> Ray {
-    let normal = if mirrors_at_shading_normal(surface, ray) {
-        surface.point.shading_normal
+    let viewer = -ray.direction;
+    let reflected = reflect(viewer, surface.point.shading_normal);
+    // An interpolated normal may reflect into the surface; the geometric normal never does.
+    let reflected = if reflected.dot(surface.point.geometric_normal) > 0.0 {
+        reflected
     } else {
-        surface.point.geometric_normal
+        reflect(viewer, surface.point.geometric_normal)
     };
-    surface.point.spawn_ray(reflect(-ray.direction, normal))
-}
-
-/// An interpolated normal may reflect into the surface; the geometric normal never does.
-fn mirrors_at_shading_normal(surface: &SurfaceInteraction, ray: &Ray) -> bool {
-    let reflected = reflect(-ray.direction, surface.point.shading_normal);
-    reflected.dot(surface.point.geometric_normal) > 0.0
+    surface.point.spawn_ray(reflected)
 }
 
 /// The differential of [`spawn_reflected_ray`]; zero where no mirror is hit.
@@ -122,7 +119,8 @@ fn reflected_differential(
 ) -> RayDifferential {
     match hit {
         Some((hit, surface)) if surface.bsdf.reflective != Vec3::ZERO => {
-            let at_geometric_normal = !mirrors_at_shading_normal(surface, ray);
+            let reflected = reflect(-ray.direction, surface.point.shading_normal);
+            let at_geometric_normal = reflected.dot(surface.point.geometric_normal) <= 0.0;
             scene.reflected_differential(ray, hit, differential, at_geometric_normal)
         }
         _ => RayDifferential::ZERO,

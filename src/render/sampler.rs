@@ -5,6 +5,7 @@ use super::{PixelSampling, Renderer};
 use crate::accel::QueryState;
 use crate::camera::{Camera, CameraRays};
 use crate::integrator::{CameraSample, Integrator};
+use crate::math::RayDifferential;
 use crate::sampling::SobolSequence;
 use glam::{DVec2, DVec3, Vec3};
 
@@ -102,10 +103,14 @@ impl<'a> Sampler<'a> {
                             corner + DVec2::new(u.into(), v.into())
                         }
                     };
-                    let middle = film.lerp(corner + 0.5, moved);
+                    if width > 0.0 {
+                        let middle = film.lerp(corner + 0.5, moved);
+                        let differential = self.rays.differential(film, middle, width);
+                        batch.differentials.push(differential);
+                    }
+                    let ray = self.rays.through(film);
                     batch.samples.push(CameraSample {
-                        ray: self.rays.through(film),
-                        differential: self.rays.differential(film, middle, width),
+                        ray,
                         sequence,
                         index,
                     });
@@ -153,7 +158,7 @@ impl<'a> Sampler<'a> {
         let radiance = &mut radiance[..batch.samples.len()];
         let query_state = &mut work.query_state;
         self.integrator
-            .radiance(&batch.samples, query_state, radiance);
+            .radiance(&batch.samples, &batch.differentials, query_state, radiance);
         for (sum, radiance) in batch.sums.iter().zip(radiance) {
             if radiance.is_finite() {
                 sums[*sum] += radiance.as_dvec3();
@@ -162,14 +167,17 @@ impl<'a> Sampler<'a> {
             }
         }
         batch.samples.clear();
+        batch.differentials.clear();
         batch.sums.clear();
     }
 }
 
-/// Samples that are traced together, and the indices of the sums that they belong to.
+/// Samples that are traced together, their footprints, and the indices of the sums that they belong to.
 #[derive(Default)]
 struct Batch {
     samples: Vec<CameraSample>,
+    /// The footprints of the samples; empty without textures.
+    differentials: Vec<RayDifferential>,
     sums: Vec<usize>,
 }
 

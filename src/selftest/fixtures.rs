@@ -7,7 +7,7 @@ use crate::geometry::Hit;
 use crate::integrator::{CameraSample, Integrator, IntegratorSettings};
 use crate::light::{Falloff, PointLight};
 use crate::material::Material;
-use crate::math::{Ray, RayDifferential};
+use crate::math::Ray;
 use crate::render::{RenderSettings, Renderer};
 use crate::sampling::SobolSequence;
 use crate::scene::{Scene, SceneBuilder};
@@ -93,12 +93,11 @@ pub(super) fn integrator<'a>(scene: &'a Scene, settings: &IntegratorSettings) ->
 pub(super) fn radiance_along(integrator: &Integrator, eye: DVec3, direction: DVec3) -> Vec3 {
     let sample = CameraSample {
         ray: ray_in(integrator.scene(), eye, direction),
-        differential: RayDifferential::ZERO,
         sequence: SobolSequence::new(0, 0, 0, 0),
         index: 0,
     };
     let mut radiance = [Vec3::ZERO];
-    integrator.radiance(&[sample], &mut QueryState::default(), &mut radiance);
+    integrator.radiance(&[sample], &[], &mut QueryState::default(), &mut radiance);
     radiance[0]
 }
 

@@ -39,6 +39,10 @@ impl Texture {
         let texel_squared = (1.0 + axes.minor_squared / 3.0)
             .max((axes.major_squared + 3.0) / (MAX_TAPS * MAX_TAPS + 3.0));
         let length_squared = (axes.major_squared + 3.0 - 3.0 * texel_squared).max(0.0);
+        // A line that hardly widens the filter needs a single tap.
+        if length_squared < 0.25 * texel_squared {
+            return self.trilinear(texel_squared, uv);
+        }
         let taps = (length_squared / texel_squared).sqrt().ceil();
         let taps = taps.clamp(2.0, MAX_TAPS);
         // Points at equal distances have less variance than the line that they stand for.

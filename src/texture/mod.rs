@@ -31,7 +31,9 @@ impl Texture {
         is_whole.then(|| Texture {
             width,
             height,
-            mip_map: MipMap::new(width, height, |index| linear(texels[index])),
+            mip_map: MipMap::new(width, height, |index| {
+                linear(&LINEAR_OF_CODE, texels[index])
+            }),
             texels,
         })
     }
@@ -52,21 +54,22 @@ impl Texture {
     #[inline(always)]
     pub fn sample(&self, uv: Vec2) -> Vec3 {
         let size = (self.width, self.height);
-        bilinear(size, uv, |index| linear(self.texels[index]))
+        let table = &*LINEAR_OF_CODE;
+        bilinear(size, uv, |index| linear(table, self.texels[index]))
     }
 
     /// The mean of its linear colours.
     pub fn mean(&self) -> DVec3 {
-        let colors = self.texels.iter().map(|texel| linear(*texel));
+        let texels = self.texels.iter();
+        let colors = texels.map(|texel| linear(&LINEAR_OF_CODE, *texel));
         let sum: DVec3 = colors.map(|color| color.as_dvec3()).sum();
         sum / self.texels.len() as f64
     }
 }
 
-/// The linear colour of a texel.
+/// The linear colour of a texel, from [`LINEAR_OF_CODE`].
 #[inline(always)]
-fn linear(texel: [u8; 3]) -> Vec3 {
-    let table = &*LINEAR_OF_CODE;
+fn linear(table: &[f32; 256], texel: [u8; 3]) -> Vec3 {
     Vec3::from_array(texel.map(|code| table[code as usize]))
 }
 

@@ -2,7 +2,6 @@
 
 use crate::support::*;
 use flythrough::integrator::{CameraSample, Integrator};
-use flythrough::math::RayDifferential;
 use flythrough::render::{PixelSampling, RenderSettings};
 use glam::Vec3;
 
@@ -66,12 +65,11 @@ fn corners_equal_four_samples_of_each_pixel() {
                 let sequence = flythrough::sampling::SobolSequence::new(0, 0, 0, 0);
                 let sample = CameraSample {
                     ray,
-                    differential: RayDifferential::ZERO,
                     sequence,
                     index: 0,
                 };
                 let mut radiance = [glam::Vec3::ZERO];
-                integrator.radiance(&[sample], &mut query_state, &mut radiance);
+                integrator.radiance(&[sample], &[], &mut query_state, &mut radiance);
                 radiance[0]
             };
             let upper = corner(-0.5, -0.5) + corner(0.5, -0.5);

@@ -6,7 +6,7 @@ use flythrough::accel::QueryState;
 use flythrough::camera::Camera;
 use flythrough::integrator::{CameraSample, Integrator, LightSampler};
 use flythrough::light::{Falloff, PointLight};
-use flythrough::math::{Ray, RayDifferential};
+use flythrough::math::Ray;
 use flythrough::sampling::{SobolSequence, uniform_sphere};
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
@@ -174,7 +174,6 @@ fn radiance_around(scene: &Scene, eye: DVec3, bounces: u32, seed: u32) -> Vec<f6
         let [u, v] = sequence.sample_2d(index, 0);
         CameraSample {
             ray: Ray::new((eye - scene.origin).as_vec3(), uniform_sphere(u, v)),
-            differential: RayDifferential::ZERO,
             sequence,
             index,
         }
@@ -182,6 +181,6 @@ fn radiance_around(scene: &Scene, eye: DVec3, bounces: u32, seed: u32) -> Vec<f6
     let samples: Vec<CameraSample> = (0..RAYS).map(sample).collect();
     let mut radiance = vec![Vec3::ZERO; samples.len()];
     let integrator = Integrator::new(scene, &monte_carlo(bounces, &[1]), None).unwrap();
-    integrator.radiance(&samples, &mut QueryState::default(), &mut radiance);
+    integrator.radiance(&samples, &[], &mut QueryState::default(), &mut radiance);
     channels(&[radiance.iter().sum::<Vec3>() / RAYS as f32])
 }

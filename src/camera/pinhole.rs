@@ -1,7 +1,7 @@
 //! The pinhole camera: its rays through the film, and the projection of points onto it.
 
 use super::rotation;
-use crate::math::Ray;
+use crate::math::{Ray, RayDifferential};
 use glam::{DMat3, DQuat, DVec2, DVec3, Vec3};
 
 /// A pinhole camera in world coordinates.
@@ -88,6 +88,25 @@ impl CameraRays {
         Ray::new(self.eye, self.towards(film).normalize().as_vec3())
     }
 
+    /// The differential of the ray through `film`, for a square footprint of `width` pixels around `middle`, which is
+    /// less than some pixels away; zero for a width of 0.
+    pub fn differential(&self, film: DVec2, middle: DVec2, width: f64) -> RayDifferential {
+        if width == 0.0 {
+            return RayDifferential::ZERO;
+        }
+        let towards = self.towards(film);
+        let direction = towards.normalize();
+        let change = |step: DVec3| {
+            let across = step - direction * step.dot(direction);
+            (width / towards.length() * across).as_vec3()
+        };
+        RayDifferential {
+            origin: [Vec3::ZERO; 2],
+            direction: [self.right, self.down].map(change),
+            middle: ((middle - film) / width).as_vec2(),
+        }
+    }
+
     /// From the eye to a point of the film, in double precision.
     #[inline]
     fn towards(&self, film: DVec2) -> DVec3 {
@@ -116,6 +135,30 @@ mod tests {
         assert!((top - Vec3::new(0.0, 1.0, -1.0).normalize()).length() < 1e-7);
         let right = ray(200.0, 50.0).direction;
         assert!((right - Vec3::new(2.0, 0.0, -1.0).normalize()).length() < 1e-7);
+    }
+
+    #[test]
+    fn differentials_are_the_differences_of_neighbouring_rays() {
+        let axes = (DVec3::new(0.3, 0.4, 1.0), DVec3::Y);
+        let camera = Camera::from_axes(DVec3::ONE, axes.0, axes.1, 1.0);
+        let rays = camera.rays(DVec2::new(200.0, 100.0), DVec3::ZERO);
+        for film in [
+            DVec2::new(0.5, 0.5),
+            DVec2::new(100.0, 50.0),
+            DVec2::new(170.0, 10.0),
+        ] {
+            let width = 0.5;
+            let found = rays.differential(film, film + DVec2::Y, width);
+            let through = |film| rays.through(film).direction;
+            for (axis, step) in [DVec2::X, DVec2::Y].into_iter().enumerate() {
+                let half = 0.5 * width * step;
+                let difference = through(film + half) - through(film - half);
+                assert!((found.direction[axis] - difference).length() < 3e-7);
+                assert_eq!(found.origin[axis], Vec3::ZERO);
+            }
+            assert_eq!(found.middle, glam::Vec2::new(0.0, 2.0));
+            assert_eq!(rays.differential(film, film, 0.0), RayDifferential::ZERO);
+        }
     }
 
     #[test]

@@ -59,12 +59,8 @@ impl Mesh {
         if self.normals.is_empty() {
             return geometric_normal;
         }
-        let mut sum = Vec3::ZERO;
-        for (vertex, weight) in vertices.into_iter().zip(weights) {
-            let normal = self.normals[vertex as usize];
-            let has_none = normal == Vec3::ZERO;
-            sum += weight * if has_none { geometric_normal } else { normal };
-        }
+        let [a, b, c] = self.vertex_normals(vertices, geometric_normal);
+        let sum = weights[0] * a + weights[1] * b + weights[2] * c;
         sum.normalize_or(geometric_normal)
     }
 
@@ -79,6 +75,56 @@ impl Mesh {
             sum += weight * self.uvs[vertex as usize];
         }
         sum
+    }
+
+    /// The changes of the weights of a triangle's second and third vertex for a point that moves by `step` in its plane.
+    #[inline(always)]
+    pub fn weight_changes(&self, vertices: VertexIndices, step: Vec3) -> [f32; 2] {
+        let (u, v) = triangle::barycentric_changes(step.as_dvec3(), self.triangle(vertices));
+        [u as f32, v as f32]
+    }
+
+    /// The change of [`Mesh::uv`] for changes of the weights of the second and third vertex.
+    #[inline(always)]
+    pub fn uv_change(&self, vertices: VertexIndices, weight_changes: [f32; 2]) -> Vec2 {
+        if self.uvs.is_empty() {
+            return Vec2::ZERO;
+        }
+        let [a, b, c] = vertices.map(|vertex| self.uvs[vertex as usize]);
+        weight_changes[0] * (b - a) + weight_changes[1] * (c - a)
+    }
+
+    /// The change of [`Mesh::shading_normal`] at `weights`, for changes of the weights of the second and third vertex.
+    #[inline(always)]
+    pub fn shading_normal_change(
+        &self,
+        vertices: VertexIndices,
+        weights: [f32; 3],
+        weight_changes: [f32; 2],
+        geometric_normal: Vec3,
+    ) -> Vec3 {
+        if self.normals.is_empty() {
+            return Vec3::ZERO;
+        }
+        let [a, b, c] = self.vertex_normals(vertices, geometric_normal);
+        let sum = weights[0] * a + weights[1] * b + weights[2] * c;
+        let change = weight_changes[0] * (b - a) + weight_changes[1] * (c - a);
+        // Only what is perpendicular to a vector turns it.
+        let turn = |normal| (change - normal * change.dot(normal)) / sum.length();
+        sum.try_normalize().map_or(Vec3::ZERO, turn)
+    }
+
+    /// The shading normals of a triangle's vertices; `geometric_normal` for those that have none.
+    #[inline(always)]
+    fn vertex_normals(&self, vertices: VertexIndices, geometric_normal: Vec3) -> [Vec3; 3] {
+        vertices.map(|vertex| {
+            let normal = self.normals[vertex as usize];
+            if normal == Vec3::ZERO {
+                geometric_normal
+            } else {
+                normal
+            }
+        })
     }
 }
 

@@ -75,6 +75,19 @@ impl Sphere {
         Vec2::new(u as f32, v as f32)
     }
 
+    /// The change of [`Sphere::uv`] of the point with outward unit `normal` where that changes by `turn`: at most one
+    /// turn around the axis, however close the poles are.
+    pub fn uv_change(&self, normal: DVec3, turn: DVec3) -> Vec2 {
+        let local = self.rotation.transpose() * normal;
+        let turn = self.rotation.transpose() * turn;
+        // The distance from the axis; the bound is far below what a normal can tell apart.
+        let from_axis = (local.x * local.x + local.z * local.z).sqrt().max(1e-12);
+        let around = (local.z * turn.x - local.x * turn.z) / (from_axis * from_axis);
+        let u = (around / std::f64::consts::TAU).clamp(-1.0, 1.0);
+        let v = turn.y / from_axis / std::f64::consts::PI;
+        Vec2::new(u as f32, v as f32)
+    }
+
     /// The smallest box around the sphere, rounded outwards.
     pub fn bounds(&self) -> Aabb {
         let radius = DVec3::splat(self.radius);

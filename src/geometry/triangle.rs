@@ -14,6 +14,17 @@ pub(super) fn barycentric(point: DVec3, vertices: [Vec3; 3]) -> (f64, f64) {
     (u, v)
 }
 
+/// The changes of the barycentric coordinates (u, v) of a point that moves by `step` in the triangle's plane.
+#[inline(always)]
+pub(super) fn barycentric_changes(step: DVec3, vertices: [Vec3; 3]) -> (f64, f64) {
+    let [a, b, c] = vertices.map(|p| p.as_dvec3());
+    let normal = normal(vertices);
+    let scale = 1.0 / normal.length_squared();
+    let u = step.cross(c - a).dot(normal) * scale;
+    let v = (b - a).cross(step).dot(normal) * scale;
+    (u, v)
+}
+
 /// The distance from a point to the closest point of a triangle, which may be degenerate: to its plane where the
 /// point projects inside, elsewhere to the nearest edge (the Voronoi regions of Ericson 2005, "Real-Time Collision
 /// Detection", 5.1.5).

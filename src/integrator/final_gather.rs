@@ -1,6 +1,7 @@
 //! Final gathering: the indirect light at a point by paths over its hemisphere (Reichert 1992; Jensen 2001).
 
 use super::feature_sets::for_each_feature_set;
+use super::hit_surfaces::HitSurfaces;
 use super::light_sampler::LightSampler;
 use super::path_state::{PathState, Technique};
 use super::path_tracer::PathTracer;
@@ -110,10 +111,13 @@ pub(super) fn gather_for<F: Features>(
         index: point.index,
         technique: Technique::Single,
     };
-    let surfaces: Vec<Option<SurfaceInteraction>> = points.iter().map(surface).collect();
     let paths: Vec<PathState> = points.iter().map(path).collect();
     let direct = vec![Vec3::ZERO; points.len()];
     let mut radiance = direct.clone();
-    path_tracer.outgoing_radiance(&paths, &surfaces, &direct, &mut radiance);
+    let hit = HitSurfaces {
+        surfaces: points.iter().map(surface).collect(),
+        reflected: Vec::new(),
+    };
+    path_tracer.outgoing_radiance(&paths, &hit, &direct, &mut radiance);
     radiance
 }

@@ -7,6 +7,9 @@
 //! Paths advance in wavefronts; shadow rays are traced sixteen at a time. Code is compiled for each set of material
 //! features, and a scene's own set is chosen: what a scene does not use costs nothing (`cargo bench --bench features`).
 //!
+//! Textures are filtered over the footprints of camera samples, by ray differentials (Igehy 1999) that mirrors reflect.
+//! Rays beyond a diffuse bounce see them bilinearly interpolated: what they miss averages out with the noise.
+//!
 //! Where a light is so close to a surface that its bright spot dominates the noise, a quarter of the indirect rays is
 //! connected to points that were traced from the light, weighted by the balance heuristic (Veach and Guibas 1995):
 //! unbiased, and less than half the error in `test3`.

@@ -3,13 +3,13 @@
 
 use super::camera_sample::CameraSample;
 use super::direct::{LightContribution, direct_lighting_incoherent};
-use super::hit_surfaces::{ambient, spawn_reflected_ray, surfaces};
+use super::hit_surfaces::{HitSurfaces, ambient, spawn_reflected_ray, surfaces};
 use super::light_sampler::LightSampler;
 use super::path_state::{PathState, Technique};
 use crate::accel::QueryState;
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::Features;
-use crate::math::{Ray, to_world};
+use crate::math::{Ray, RayDifferential, to_world};
 use crate::sampling::{MixtureChoice, cosine_hemisphere};
 use crate::scene::{Scene, SurfaceInteraction};
 use glam::Vec3;
@@ -49,7 +49,7 @@ impl<F: Features> PathTracer<'_, F> {
     pub(super) fn camera_radiance(
         &mut self,
         samples: &[CameraSample],
-        surfaces: &[Option<SurfaceInteraction>],
+        hit: &HitSurfaces,
         direct: &[Vec3],
         radiance: &mut [Vec3],
     ) {
@@ -62,27 +62,34 @@ impl<F: Features> PathTracer<'_, F> {
             technique: Technique::Single,
         };
         let paths: Vec<PathState> = samples.iter().map(from_camera).collect();
-        self.outgoing_radiance(&paths, surfaces, direct, radiance);
+        self.outgoing_radiance(&paths, hit, direct, radiance);
     }
 
     fn scene(&self) -> &Scene {
         self.light_sampler.scene()
     }
 
-    /// The incident radiance along the last rays of up to [`WAVEFRONT_SIZE`] paths.
-    fn incident_radiance(&mut self, paths: &[PathState], radiance: &mut [Vec3]) {
+    /// The incident radiance along the last rays of up to [`WAVEFRONT_SIZE`] paths, with textures filtered over the
+    /// footprints of these rays; over none if there are no `differentials`.
+    fn incident_radiance(
+        &mut self,
+        paths: &[PathState],
+        differentials: &[RayDifferential],
+        radiance: &mut [Vec3],
+    ) {
         let scene = self.light_sampler.scene();
         let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
         let mut hits = vec![None; rays.len()];
         scene.closest_incoherent(&rays, &mut hits, self.query_state);
-        let mut surfaces = surfaces::<F>(scene, &rays, &hits);
+        let mut hit = surfaces::<F>(scene, &rays, differentials, &hits);
+        let surfaces = &mut hit.surfaces;
         let light_sampler = self.light_sampler;
         if light_sampler.is_empty() {
-            let direct = self.direct_lighting(&surfaces, &rays, |_| {});
-            return self.outgoing_radiance(paths, &surfaces, &direct, radiance);
+            let direct = self.direct_lighting(surfaces, &rays, |_| {});
+            return self.outgoing_radiance(paths, &hit, &direct, radiance);
         }
         let mut light_pdfs = [0.0; WAVEFRONT_SIZE];
-        let direct = self.direct_lighting(&surfaces, &rays, |contribution| {
+        let direct = self.direct_lighting(surfaces, &rays, |contribution| {
             light_pdfs[contribution.surface] += light_sampler.pdf(
                 contribution.light,
                 contribution.distance,
@@ -97,7 +104,7 @@ impl<F: Features> PathTracer<'_, F> {
                 surfaces[i] = None;
             }
         }
-        self.outgoing_radiance(paths, &surfaces, &direct, radiance);
+        self.outgoing_radiance(paths, &hit, &direct, radiance);
         for (radiance, weight) in radiance.iter_mut().zip(weights) {
             *radiance *= weight;
         }
@@ -121,13 +128,13 @@ impl<F: Features> PathTracer<'_, F> {
     pub(super) fn outgoing_radiance(
         &mut self,
         paths: &[PathState],
-        surfaces: &[Option<SurfaceInteraction>],
+        hit: &HitSurfaces,
         direct: &[Vec3],
         radiance: &mut [Vec3],
     ) {
         let mut splits = Vec::with_capacity(WAVEFRONT_SIZE);
         for (parent, path) in paths.iter().enumerate() {
-            let Some(surface) = &surfaces[parent] else {
+            let Some(surface) = &hit.surfaces[parent] else {
                 radiance[parent] = self.scene().background;
                 continue;
             };
@@ -156,10 +163,10 @@ impl<F: Features> PathTracer<'_, F> {
             }
             // No more than full wavefronts need, so that they stay in the processor's cache.
             if splits.len() >= WAVEFRONT_SIZE {
-                self.trace_splits(&mut splits, surfaces, radiance);
+                self.trace_splits(&mut splits, hit, radiance);
             }
         }
-        self.trace_splits(&mut splits, surfaces, radiance);
+        self.trace_splits(&mut splits, hit, radiance);
     }
 
     /// The cosine-weighted mean radiance that arrives at the end of a path, from the irradiance cache; none if it has
@@ -172,20 +179,34 @@ impl<F: Features> PathTracer<'_, F> {
         cache.mean_radiance(point.position, point.shading_normal, bounces_left, distance)
     }
 
-    /// Adds the radiance of split paths to that of their parents, which end at `surfaces`.
+    /// Adds the radiance of split paths to that of their parents, which end at the surfaces of `hit`.
+    ///
+    /// Textures are filtered over the footprints of paths that only mirrors have reflected. Those beyond a diffuse bounce
+    /// are not: they average out with the noise.
     fn trace_splits(
         &mut self,
         splits: &mut Vec<SplitPath>,
-        surfaces: &[Option<SurfaceInteraction>],
+        hit: &HitSurfaces,
         radiance: &mut [Vec3],
     ) {
         if !self.light_sampler.is_empty() {
-            self.connect(splits, surfaces);
+            self.connect(splits, &hit.surfaces);
         }
         for wave in splits.chunks(WAVEFRONT_SIZE) {
             let paths: Vec<PathState> = wave.iter().map(|split| split.path).collect();
+            let is_mirrored = |split: &SplitPath| split.path.diffuse_bounces == 0;
+            let mut differentials = Vec::new();
+            if !hit.reflected.is_empty() && wave.iter().any(is_mirrored) {
+                differentials.extend(wave.iter().map(|split| {
+                    if is_mirrored(split) {
+                        hit.reflected[split.parent]
+                    } else {
+                        RayDifferential::ZERO
+                    }
+                }));
+            }
             let mut incident = [Vec3::ZERO; WAVEFRONT_SIZE];
-            self.incident_radiance(&paths, &mut incident);
+            self.incident_radiance(&paths, &differentials, &mut incident);
             for (split, incident) in wave.iter().zip(incident) {
                 radiance[split.parent] += split.throughput * incident;
             }

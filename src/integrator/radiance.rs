@@ -13,7 +13,7 @@ use super::whitted::{self, Wavefront};
 use crate::accel::QueryState;
 use crate::irradiance_cache::IrradianceCache;
 use crate::material::{FeatureSet, Features};
-use crate::math::Ray;
+use crate::math::{Ray, RayDifferential};
 use crate::scene::Scene;
 use glam::Vec3;
 use std::marker::PhantomData;
@@ -122,17 +122,24 @@ impl<'a> Integrator<'a> {
 
     /// The radiance along each of the camera rays. The result of a ray does not depend on the others; coherent rays
     /// are faster.
+    ///
+    /// Textures are filtered over the footprints that `differentials` has, one of each ray. Where that is zero the sample
+    /// stands for a point: its textures are not filtered, and the mean of such samples over a pixel converges to the pixel
+    /// without bias. The list is empty if all are such samples.
     pub fn radiance(
         &self,
         samples: &[CameraSample],
+        differentials: &[RayDifferential],
         query_state: &mut QueryState,
         radiance: &mut [Vec3],
     ) {
-        RADIANCE[self.scene.features().index()](self, samples, query_state, radiance);
+        let for_features = RADIANCE[self.scene.features().index()];
+        for_features(self, samples, differentials, query_state, radiance);
     }
 }
 
-type RadianceFor = fn(&Integrator, &[CameraSample], &mut QueryState, &mut [Vec3]);
+type RadianceFor =
+    fn(&Integrator, &[CameraSample], &[RayDifferential], &mut QueryState, &mut [Vec3]);
 
 /// [`Integrator::radiance`] for each set of features.
 static RADIANCE: [RadianceFor; FeatureSet::COUNT] = for_each_feature_set!(radiance_for);
@@ -140,19 +147,20 @@ static RADIANCE: [RadianceFor; FeatureSet::COUNT] = for_each_feature_set!(radian
 fn radiance_for<F: Features>(
     integrator: &Integrator,
     samples: &[CameraSample],
+    differentials: &[RayDifferential],
     query_state: &mut QueryState,
     radiance: &mut [Vec3],
 ) {
     let scene = integrator.scene;
     let rays: Vec<Ray> = samples.iter().map(|sample| sample.ray).collect();
-    let surfaces = coherent_surfaces::<F>(scene, &rays, query_state);
-    let direct = direct_lighting_coherent::<F>(scene, &surfaces, &rays, query_state);
+    let hit = coherent_surfaces::<F>(scene, &rays, differentials, query_state);
+    let direct = direct_lighting_coherent::<F>(scene, &hit.surfaces, &rays, query_state);
     match &integrator.method {
         Method::Whitted { bounces } => {
             let ambient = ambient(scene);
             let indirect =
                 |wavefront: &Wavefront, _: &mut QueryState| vec![ambient; wavefront.surfaces.len()];
-            let first = Wavefront::of_camera(rays, surfaces, direct, *bounces);
+            let first = Wavefront::of_camera(rays, hit, direct, *bounces);
             whitted::radiance::<F>(scene, first, indirect, query_state, radiance);
         }
         Method::Cached {
@@ -167,7 +175,7 @@ fn radiance_for<F: Features>(
             let indirect = |wavefront: &Wavefront, query_state: &mut QueryState| {
                 cached.indirect::<F>(wavefront, query_state)
             };
-            let first = Wavefront::of_camera(rays, surfaces, direct, cache.bounces());
+            let first = Wavefront::of_camera(rays, hit, direct, cache.bounces());
             whitted::radiance::<F>(scene, first, indirect, query_state, radiance);
         }
         Method::PathTraced {
@@ -183,7 +191,7 @@ fn radiance_for<F: Features>(
                 query_state,
                 features: PhantomData,
             };
-            path_tracer.camera_radiance(samples, &surfaces, &direct, radiance);
+            path_tracer.camera_radiance(samples, &hit, &direct, radiance);
         }
     }
 }

@@ -45,7 +45,7 @@ fn visible_points_for<F: Features>(
     let mut rays = rays.to_vec();
     let mut lengths = vec![0.0; rays.len()];
     for bounces_left in (1..=bounces).rev() {
-        let surfaces = coherent_surfaces::<F>(scene, &rays, query_state);
+        let surfaces = coherent_surfaces::<F>(scene, &rays, &[], query_state).surfaces;
         let (mut reflected, mut distances) = (Vec::new(), Vec::new());
         for ((surface, ray), length) in surfaces.iter().zip(&rays).zip(&lengths) {
             let Some(surface) = surface else {

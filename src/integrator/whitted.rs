@@ -2,14 +2,14 @@
 //! wavefront of reflected rays after the other.
 
 use super::direct::direct_lighting_coherent;
-use super::hit_surfaces::{ambient, coherent_surfaces, spawn_reflected_ray};
+use super::hit_surfaces::{HitSurfaces, ambient, coherent_surfaces, spawn_reflected_ray};
 use crate::accel::QueryState;
 use crate::material::Features;
-use crate::math::Ray;
+use crate::math::{Ray, RayDifferential};
 use crate::scene::{Scene, SurfaceInteraction};
 use glam::Vec3;
 
-/// Rays of the same number of reflections; all lists are of one length.
+/// Rays of the same number of reflections; all lists are of one length, unless they are said to be empty.
 pub(super) struct Wavefront {
     pub(super) rays: Vec<Ray>,
     /// The index of the camera sample that each ray belongs to.
@@ -18,6 +18,8 @@ pub(super) struct Wavefront {
     pub(super) throughputs: Vec<Vec3>,
     /// What each ray hits.
     pub(super) surfaces: Vec<Option<SurfaceInteraction>>,
+    /// The differentials of the rays that are reflected there: see [`HitSurfaces::reflected`].
+    pub(super) reflected: Vec<RayDifferential>,
     /// The direct light that is reflected there.
     pub(super) direct: Vec<Vec3>,
     /// How many more bounces are computed.
@@ -28,7 +30,10 @@ impl Wavefront {
     /// Camera rays.
     pub(super) fn of_camera(
         rays: Vec<Ray>,
-        surfaces: Vec<Option<SurfaceInteraction>>,
+        HitSurfaces {
+            surfaces,
+            reflected,
+        }: HitSurfaces,
         direct: Vec<Vec3>,
         bounces_left: u32,
     ) -> Wavefront {
@@ -37,6 +42,7 @@ impl Wavefront {
             throughputs: vec![Vec3::ONE; rays.len()],
             rays,
             surfaces,
+            reflected,
             direct,
             bounces_left,
         }
@@ -59,6 +65,7 @@ pub(super) fn radiance<F: Features>(
     loop {
         let indirect = indirect(&wavefront, query_state);
         let mut rays = Vec::new();
+        let mut differentials = Vec::new();
         let mut samples = Vec::new();
         let mut throughputs = Vec::new();
         for (i, &sample) in wavefront.samples.iter().enumerate() {
@@ -79,6 +86,7 @@ pub(super) fn radiance<F: Features>(
                 *sum += throughput * ambient(scene);
             } else {
                 rays.push(spawn_reflected_ray(surface, &wavefront.rays[i]));
+                differentials.extend(wavefront.reflected.get(i));
                 samples.push(sample);
                 throughputs.push(throughput);
             }
@@ -86,13 +94,17 @@ pub(super) fn radiance<F: Features>(
         if rays.is_empty() {
             return;
         }
-        let surfaces = coherent_surfaces::<F>(scene, &rays, query_state);
+        let HitSurfaces {
+            surfaces,
+            reflected,
+        } = coherent_surfaces::<F>(scene, &rays, &differentials, query_state);
         wavefront = Wavefront {
             direct: direct_lighting_coherent::<F>(scene, &surfaces, &rays, query_state),
             rays,
             samples,
             throughputs,
             surfaces,
+            reflected,
             bounces_left: wavefront.bounces_left - 1,
         };
     }

@@ -46,11 +46,12 @@ impl Material {
         FeatureSet::new(textures, highlights, mirrors, mixes)
     }
 
-    /// The reflection at texture coordinates `uv`.
+    /// The reflection at texture coordinates `uv`, with the texture filtered over `footprint`: see
+    /// [`Texture::filtered`].
     #[inline(always)]
-    pub fn bsdf<F: Features>(&self, uv: Vec2, textures: &[Texture]) -> Bsdf {
+    pub fn bsdf<F: Features>(&self, uv: Vec2, footprint: [Vec2; 2], textures: &[Texture]) -> Bsdf {
         let texel = match self.texture {
-            Some(id) if F::TEXTURES => textures[id].sample(uv),
+            Some(id) if F::TEXTURES => textures[id].filtered(uv, footprint),
             _ => Vec3::ONE,
         };
         Bsdf {

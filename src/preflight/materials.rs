@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn the_reflectance_is_that_of_the_reflection_model() {
         let material = material(0.3, 0.8, 3.0, 0.25);
-        let bsdf = material.bsdf::<FeatureMask<15>>(Vec2::ZERO, &[]);
+        let bsdf = material.bsdf::<FeatureMask<15>>(Vec2::ZERO, [Vec2::ZERO; 2], &[]);
         let steps = 2000;
         let angle = |i: usize| (i as f64 + 0.5) / f64::from(steps) * std::f64::consts::FRAC_PI_2;
         let sum: f64 = (0..steps as usize)

@@ -161,16 +161,18 @@ impl Renderer<'_> {
         sampler: &Sampler,
         round: u32,
     ) -> FrameErrorEstimate {
-        let half_buffers = sampler.half_buffers as u32;
+        let has_fixed_positions = matches!(
+            self.settings.sampling,
+            PixelSampling::Center | PixelSampling::Corners
+        );
         let estimator = ErrorEstimator {
             picture,
             expected_errors,
-            samples: match self.settings.sampling {
-                PixelSampling::Center | PixelSampling::Corners => PixelSamples::Whole(half_buffers),
-                _ if self.settings.is_adaptive() => PixelSamples::Listed(&samples.counts),
-                _ if half_buffers == 2 => PixelSamples::Halves(2 * sampler.first),
-                _ => PixelSamples::Whole(sampler.first),
+            samples: match self.settings.is_adaptive() {
+                true => PixelSamples::Listed(&samples.counts),
+                false => PixelSamples::Even(sampler.half_buffers as u32 * sampler.first),
             },
+            is_biased: has_fixed_positions || !self.scene().textures().is_empty(),
         };
         let (error, work) = estimator.estimate(&sampler.of_whole_pixels(), round);
         samples.rays += work.query_state.rays;

@@ -39,33 +39,33 @@ pub(super) struct ErrorEstimator<'a> {
     /// The expected squared error of each pixel, relative to the square of the radiance; up to a factor.
     pub(super) expected_errors: Vec<f32>,
     pub(super) samples: PixelSamples<'a>,
+    /// Whether the mean of the samples may differ from the converged picture: they lie at fixed places, or filter
+    /// textures. Half buffers do not know that.
+    pub(super) is_biased: bool,
 }
 
 /// How many samples the pixels of a picture have.
 #[derive(Clone, Copy)]
 pub(super) enum PixelSamples<'a> {
-    /// So many each, at fixed places or in one buffer: half buffers, if there are any, do not know all of the error.
-    Whole(u32),
-    /// So many each, half of them in each half buffer.
-    Halves(u32),
-    /// As many as are listed, half buffer by half buffer. Where the second one has none, half buffers know nothing.
+    /// So many each.
+    Even(u32),
+    /// As many as are listed, half buffer by half buffer.
     Listed(&'a [u32]),
 }
 
 impl PixelSamples<'_> {
     fn of(self, pixel: usize) -> u32 {
         match self {
-            PixelSamples::Whole(count) | PixelSamples::Halves(count) => count,
+            PixelSamples::Even(count) => count,
             PixelSamples::Listed(counts) => counts[2 * pixel] + counts[2 * pixel + 1],
         }
     }
 
-    /// Whether half buffers know all of a pixel's error.
-    fn is_known(self, pixel: usize) -> bool {
+    /// Whether a pixel has one half buffer alone.
+    fn is_single(self, pixel: usize) -> bool {
         match self {
-            PixelSamples::Whole(_) => false,
-            PixelSamples::Halves(_) => true,
-            PixelSamples::Listed(counts) => counts[2 * pixel + 1] > 0,
+            PixelSamples::Even(_) => false,
+            PixelSamples::Listed(counts) => counts[2 * pixel + 1] == 0,
         }
     }
 }
@@ -154,21 +154,24 @@ impl ErrorEstimator<'_> {
 
     /// Chooses pixels for about the part of the samples that they may take.
     fn hold_out(&self, sampler: &Sampler, round: u32) -> Vec<HeldOutPixel> {
-        if let PixelSamples::Halves(_) = self.samples {
-            return Vec::new();
-        }
+        let has_halves = self.picture.half_difference.is_some();
+        let knows_all = has_halves && !self.is_biased;
+        let is_known = |pixel: usize| knows_all && !self.samples.is_single(pixel);
         let count = self.expected_errors.len();
         let (mut unknown, mut expected, mut samples) = (0, 0.0, 0.0);
         for (pixel, &error) in self.expected_errors.iter().enumerate() {
             samples += f64::from(self.samples.of(pixel));
-            if !self.samples.is_known(pixel) {
+            if !is_known(pixel) {
                 unknown += 1;
                 expected += f64::from(error);
             }
         }
-        let of_all = count as f64 / f64::from(unknown.max(1));
+        if unknown == 0 {
+            return Vec::new();
+        }
+        let of_all = count as f64 / f64::from(unknown);
         let density = |pixel: usize| {
-            if self.samples.is_known(pixel) {
+            if is_known(pixel) {
                 0.0
             } else if expected.is_normal() {
                 let part = f64::from(self.expected_errors[pixel]) / expected * count as f64;
@@ -177,13 +180,10 @@ impl ErrorEstimator<'_> {
                 of_all
             }
         };
-        let has_partners = self.picture.half_difference.is_none();
-        // All pixels that are not known have as many samples.
-        let of_estimate = match self.samples {
-            PixelSamples::Whole(count) | PixelSamples::Halves(count) => count / 2,
-            PixelSamples::Listed(_) => 1,
-        };
-        let per_choice = f64::from(2 * of_estimate.max(1) * if has_partners { 2 } else { 1 });
+        let of_choice =
+            |pixel: usize| density(pixel) * f64::from(2 * self.samples_of_estimate(pixel));
+        let partners = if has_halves { 1.0 } else { 2.0 };
+        let per_choice = partners * (0..count).map(of_choice).sum::<f64>() / count as f64;
         let choices = ((FRACTION * samples).max(LEAST_SAMPLES) / per_choice).ceil();
         let step = count as f64 / choices;
         let random = sampler.frame_sequence(round);
@@ -203,7 +203,7 @@ impl ErrorEstimator<'_> {
                     pixel,
                     density,
                     repeat,
-                    partner: has_partners.then(|| self.block(pixel).other(pixel, other)),
+                    partner: (!has_halves).then(|| self.block(pixel).other(pixel, other)),
                 });
             }
         }

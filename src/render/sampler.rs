@@ -4,6 +4,7 @@ use super::{PixelSampling, Renderer};
 use crate::accel::QueryState;
 use crate::camera::{Camera, CameraRays};
 use crate::integrator::{CameraSample, Integrator};
+use crate::math::RayDifferential;
 use crate::sampling::SobolSequence;
 use glam::{DVec2, DVec3, Vec3};
 
@@ -193,6 +194,7 @@ impl<'a> Sampler<'a> {
                 Sequence::Half(half) => sequence.stream(half),
                 Sequence::HeldOut { estimate, round } => sequence.stream(2 + 2 * round + estimate),
             };
+            let footprint = self.footprint(run);
             for index in run.first..run.end {
                 let film = match self.position {
                     Position::Corner => corner,
@@ -202,6 +204,11 @@ impl<'a> Sampler<'a> {
                         corner + DVec2::new(u.into(), v.into())
                     }
                 };
+                if let Some(Footprint { width, moved }) = footprint {
+                    let middle = film.lerp(corner + 0.5, moved);
+                    let differential = self.rays.differential(film, middle, width);
+                    batch.differentials.push(differential);
+                }
                 let ray = self.rays.through(film);
                 batch.samples.push(CameraSample {
                     ray,
@@ -225,13 +232,38 @@ impl<'a> Sampler<'a> {
         runs.iter().zip(sums).map(moments).collect()
     }
 
+    /// Over what each sample of a run filters textures; none in a scene without textures.
+    ///
+    /// The squares of all samples of a pixel cover it twice, tuned for the least error: their width falls to 0 as the
+    /// number of samples grows. They are moved so that the positions that they cover have the variance of those of the
+    /// pixel: it would be blurred otherwise. What the converged picture is estimated from is not filtered.
+    fn footprint(&self, run: &SampleRun) -> Option<Footprint> {
+        if self.integrator.scene().textures().is_empty() {
+            return None;
+        }
+        let area = match (run.sequence, self.position) {
+            (Sequence::HeldOut { .. }, _) => 0.0,
+            (_, Position::Center | Position::Corner) => 1.0,
+            (Sequence::Whole, Position::Spread) => 2.0 / f64::from(run.end),
+            (Sequence::Half(_), Position::Spread) => 1.0 / f64::from(run.end),
+        };
+        let area = area.min(1.0);
+        Some(Footprint {
+            width: area.sqrt(),
+            moved: match self.position {
+                Position::Spread => 1.0 - (1.0 - area).sqrt(),
+                Position::Center | Position::Corner => 0.0,
+            },
+        })
+    }
+
     /// Adds the radiance of up to [`BATCH`] samples to the sums that they belong to, and clears the batch.
     fn trace(&self, batch: &mut Batch, work: &mut Work, sums: &mut [Sums]) {
         let mut radiance = [Vec3::ZERO; BATCH];
         let radiance = &mut radiance[..batch.samples.len()];
         let query_state = &mut work.query_state;
         self.integrator
-            .radiance(&batch.samples, query_state, radiance);
+            .radiance(&batch.samples, &batch.differentials, query_state, radiance);
         for (run, radiance) in batch.runs.iter().zip(radiance) {
             if radiance.is_finite() {
                 let radiance = radiance.as_dvec3();
@@ -242,14 +274,26 @@ impl<'a> Sampler<'a> {
             }
         }
         batch.samples.clear();
+        batch.differentials.clear();
         batch.runs.clear();
     }
 }
 
-/// Samples that are traced together, and the indices of the runs that they belong to.
+/// The square of the film over which a sample filters textures.
+#[derive(Clone, Copy)]
+struct Footprint {
+    /// In pixels.
+    width: f64,
+    /// How far its middle is moved from the sample to the middle of the pixel: 0 not at all, 1 all the way.
+    moved: f64,
+}
+
+/// Samples that are traced together, their footprints, and the indices of the runs that they belong to.
 #[derive(Default)]
 struct Batch {
     samples: Vec<CameraSample>,
+    /// Empty without textures.
+    differentials: Vec<RayDifferential>,
     runs: Vec<usize>,
 }
 

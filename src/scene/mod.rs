@@ -15,7 +15,7 @@
 //! - Sphere radii are above 0.
 //! - Colours are linear RGB. Diffuse and mirror weights are in 0..1; specular weights, exponents, light intensities,
 //!   ambient and background are 0 or more.
-//! - Textures have at least one texel and are sampled as linear RGB in 0..1.
+//! - Textures have at least one texel and are filtered as linear RGB in 0..1.
 //! - [`Scene::features`] holds every feature that a used material has; code that is compiled for fewer features than
 //!   these gives wrong colours.
 //! - Primitives are numbered: triangles first, then spheres.
@@ -29,6 +29,7 @@ mod primitive;
 mod ray_offset;
 mod resolved;
 mod shadow_packet;
+mod surface_differential;
 mod surface_interaction;
 mod surface_point;
 

@@ -3,11 +3,12 @@
 use super::mesh_material::MeshMaterial;
 use super::ray_offset::{ray_offset, round_towards_ray_origin};
 use super::resolved::{Scene, Triangle};
+use super::surface_differential::{middle_of, sphere_footprint};
 use super::surface_point::SurfacePoint;
 use crate::geometry::Hit;
 use crate::material::{Bsdf, Features};
-use crate::math::{NO_PRIMITIVE, Ray};
-use glam::{DVec3, Vec2, Vec3};
+use crate::math::{NO_PRIMITIVE, Ray, RayDifferential};
+use glam::{DVec3, Vec3};
 
 /// The surface at a hit, seen from the ray's side.
 #[derive(Clone, Copy, Debug)]
@@ -32,10 +33,24 @@ impl Scene {
     /// The surface that `ray` sees at `hit`.
     #[inline(always)]
     pub fn surface<F: Features>(&self, ray: &Ray, hit: &Hit) -> SurfaceInteraction {
+        self.filtered_surface::<F>(ray, hit, &RayDifferential::ZERO)
+    }
+
+    /// The surface that `ray` sees at `hit`, with textures filtered over the footprint of its differential.
+    #[inline(always)]
+    pub fn filtered_surface<F: Features>(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        differential: &RayDifferential,
+    ) -> SurfaceInteraction {
         let number = hit.primitive as usize;
         let point = match self.triangles.get(number) {
-            Some(triangle) => self.triangle_point::<F>(ray.at(hit.t), triangle),
-            None => self.sphere_point::<F>(ray.at(hit.t), number - self.triangles.len()),
+            Some(triangle) => self.triangle_point::<F>(ray, hit, differential, triangle),
+            None => {
+                let sphere = number - self.triangles.len();
+                self.sphere_point::<F>(ray, hit, differential, sphere)
+            }
         };
         let outside = point.geometric_normal.dot(ray.direction) < 0.0;
         let geometric_normal = if outside {
@@ -88,27 +103,35 @@ impl Scene {
     }
 
     #[inline(always)]
-    fn triangle_point<F: Features>(&self, position: DVec3, triangle: &Triangle) -> ShapePoint {
+    fn triangle_point<F: Features>(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        differential: &RayDifferential,
+        triangle: &Triangle,
+    ) -> ShapePoint {
+        let position = ray.at(hit.t);
         let vertices = triangle.vertices;
         let mesh = &self.meshes[triangle.mesh as usize];
         let material = &self.mesh_materials[triangle.mesh as usize];
-        let is_textured = |id: usize| F::TEXTURES && self.materials[id].texture.is_some();
-        let is_uniform = match material {
-            MeshMaterial::Uniform(id) => !is_textured(*id),
-            MeshMaterial::PerVertex(_) => false,
+        let (is_uniform, is_textured) = match material {
+            MeshMaterial::Uniform(id) => (true, self.is_textured::<F>(*id)),
+            MeshMaterial::PerVertex(_) => (false, F::TEXTURES),
         };
         // Flat and of one colour: the weights are not needed.
-        let weights = if is_uniform && mesh.normals.is_empty() {
+        let weights = if is_uniform && !is_textured && mesh.normals.is_empty() {
             [1.0, 0.0, 0.0]
         } else {
             mesh.weights(vertices, position)
         };
-        let uv = if F::TEXTURES {
-            mesh.uv(vertices, weights)
+        let (uv, footprint) = if is_textured {
+            let footprint = self.triangle_footprint(ray, hit, differential, triangle);
+            let uv = mesh.uv(vertices, weights);
+            (middle_of(footprint, uv, differential), footprint)
         } else {
-            Vec2::ZERO
+            Default::default()
         };
-        let at = |material: usize| self.materials[material].bsdf::<F>(uv, &self.textures);
+        let at = |id: usize| self.materials[id].bsdf::<F>(uv, footprint, &self.textures);
         ShapePoint {
             position,
             geometric_normal: triangle.normal,
@@ -122,20 +145,34 @@ impl Scene {
     }
 
     #[inline(always)]
-    fn sphere_point<F: Features>(&self, position: DVec3, index: usize) -> ShapePoint {
+    fn sphere_point<F: Features>(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        differential: &RayDifferential,
+        index: usize,
+    ) -> ShapePoint {
         let sphere = &self.spheres[index];
-        let normal = (position - sphere.center).normalize();
-        let material = &self.materials[self.sphere_materials[index]];
-        let uv = match material.texture {
-            Some(_) if F::TEXTURES => sphere.uv(normal),
-            _ => Vec2::ZERO,
+        let normal = (ray.at(hit.t) - sphere.center).normalize();
+        let id = self.sphere_materials[index];
+        let (uv, footprint) = if self.is_textured::<F>(id) {
+            let footprint = sphere_footprint(ray, hit, differential, sphere, normal);
+            let uv = sphere.uv(normal);
+            (middle_of(footprint, uv, differential), footprint)
+        } else {
+            Default::default()
         };
         ShapePoint {
             position: sphere.center + normal * sphere.radius,
             geometric_normal: normal.as_vec3(),
             shading_normal: normal.as_vec3(),
-            bsdf: material.bsdf::<F>(uv, &self.textures),
+            bsdf: self.materials[id].bsdf::<F>(uv, footprint, &self.textures),
             cannot_hit_again: [true, false],
         }
+    }
+
+    #[inline(always)]
+    fn is_textured<F: Features>(&self, material: usize) -> bool {
+        F::TEXTURES && self.materials[material].texture.is_some()
     }
 }

@@ -97,7 +97,7 @@ pub(super) fn radiance_along(integrator: &Integrator, eye: DVec3, direction: DVe
         index: 0,
     };
     let mut radiance = [Vec3::ZERO];
-    integrator.radiance(&[sample], &mut QueryState::default(), &mut radiance);
+    integrator.radiance(&[sample], &[], &mut QueryState::default(), &mut radiance);
     radiance[0]
 }
 

@@ -217,7 +217,8 @@ pub(super) fn slow_dolly(kernel: Kernel) -> f64 {
         height: SIZE.y as u32,
         ..settings(WHITTED, PixelSampling::Center)
     };
-    let half_height = 0.05;
+    // Pixels of a twentieth of a texel, which are not filtered.
+    let half_height = 0.003;
     let exact = |x: f64, film: DVec2| {
         let pixel = 2.0 * half_height / SIZE.y;
         let slope = (film - 0.5 * SIZE) * DVec2::new(pixel, -pixel);

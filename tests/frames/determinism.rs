@@ -69,7 +69,7 @@ fn corners_equal_four_samples_of_each_pixel() {
                     index: 0,
                 };
                 let mut radiance = [glam::Vec3::ZERO];
-                integrator.radiance(&[sample], &mut query_state, &mut radiance);
+                integrator.radiance(&[sample], &[], &mut query_state, &mut radiance);
                 radiance[0]
             };
             let upper = corner(-0.5, -0.5) + corner(0.5, -0.5);

@@ -181,6 +181,6 @@ fn radiance_around(scene: &Scene, eye: DVec3, bounces: u32, seed: u32) -> Vec<f6
     let samples: Vec<CameraSample> = (0..RAYS).map(sample).collect();
     let mut radiance = vec![Vec3::ZERO; samples.len()];
     let integrator = Integrator::new(scene, &monte_carlo(bounces, &[1]), None).unwrap();
-    integrator.radiance(&samples, &mut QueryState::default(), &mut radiance);
+    integrator.radiance(&samples, &[], &mut QueryState::default(), &mut radiance);
     channels(&[radiance.iter().sum::<Vec3>() / RAYS as f32])
 }

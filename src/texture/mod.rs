@@ -1,7 +1,14 @@
-//! Image textures: sRGB texels, filtered bilinearly in linear RGB.
+//! Image textures: sRGB texels, filtered in linear RGB: bilinearly where a sample stands for a point, else over its
+//! footprint, from a mip map.
+
+mod bilinear;
+mod filter;
+mod mip_map;
 
 use crate::math::color::srgb_to_linear;
+use bilinear::bilinear;
 use glam::{DVec3, Vec2, Vec3};
+use mip_map::MipMap;
 use std::sync::LazyLock;
 
 static LINEAR_OF_CODE: LazyLock<[f32; 256]> =
@@ -13,15 +20,20 @@ pub struct Texture {
     width: usize,
     height: usize,
     texels: Vec<[u8; 3]>,
+    mip_map: MipMap,
 }
 
 impl Texture {
     /// A texture of `texels`: rows from the top of the image, each from the left. None if their number is 0 or not
     /// `width * height`.
     pub fn new(width: usize, height: usize, texels: Vec<[u8; 3]>) -> Option<Texture> {
-        (!texels.is_empty() && Some(texels.len()) == width.checked_mul(height)).then_some(Texture {
+        let is_whole = !texels.is_empty() && Some(texels.len()) == width.checked_mul(height);
+        is_whole.then(|| Texture {
             width,
             height,
+            mip_map: MipMap::new(width, height, |index| {
+                linear(&LINEAR_OF_CODE, texels[index])
+            }),
             texels,
         })
     }
@@ -31,9 +43,9 @@ impl Texture {
         (self.width, self.height)
     }
 
-    /// The memory that the texels take, in bytes.
+    /// The memory that the texels and the mip map take, in bytes.
     pub fn memory(&self) -> usize {
-        self.texels.len() * size_of::<[u8; 3]>()
+        size_of_val(&*self.texels) + self.mip_map.memory()
     }
 
     /// The linear colour at `uv`: (0, 0) is the lower left corner of the image, (1, 1) the upper right one, and it
@@ -41,54 +53,24 @@ impl Texture {
     /// bilinearly. A coordinate that is not finite counts as 0.
     #[inline(always)]
     pub fn sample(&self, uv: Vec2) -> Vec3 {
-        let (x0, x1, fx) = neighbours(uv.x, self.width);
-        let (y0, y1, fy) = neighbours(-uv.y, self.height);
+        let size = (self.width, self.height);
         let table = &*LINEAR_OF_CODE;
-        let texel = |x: usize, y: usize| {
-            let [r, g, b] = self.texels[y * self.width + x];
-            Vec3::new(table[r as usize], table[g as usize], table[b as usize])
-        };
-        let top = texel(x0, y0).lerp(texel(x1, y0), fx);
-        let bottom = texel(x0, y1).lerp(texel(x1, y1), fx);
-        top.lerp(bottom, fy)
+        bilinear(size, uv, |index| linear(table, self.texels[index]))
     }
 
     /// The mean of its linear colours.
     pub fn mean(&self) -> DVec3 {
-        let colors = self
-            .texels
-            .iter()
-            .map(|texel| texel.map(|code| LINEAR_OF_CODE[code as usize]));
-        let sum: DVec3 = colors.map(|color| Vec3::from_array(color).as_dvec3()).sum();
+        let texels = self.texels.iter();
+        let colors = texels.map(|texel| linear(&LINEAR_OF_CODE, *texel));
+        let sum: DVec3 = colors.map(|color| color.as_dvec3()).sum();
         sum / self.texels.len() as f64
     }
 }
 
-/// The largest integer not above `x`. Every float beyond 2^31 is an integer.
+/// The linear colour of a texel, from [`LINEAR_OF_CODE`].
 #[inline(always)]
-fn floor(x: f32) -> f32 {
-    let truncated = x as i32 as f32;
-    if x.abs() >= 2_147_483_648.0 {
-        x
-    } else if truncated > x {
-        truncated - 1.0
-    } else {
-        truncated
-    }
-}
-
-/// The two texels around coordinate `u` in a row of `count`, and the weight of the second.
-#[inline(always)]
-fn neighbours(u: f32, count: usize) -> (usize, usize, f32) {
-    // Wrapping first keeps all of the fraction's bits for far tiles.
-    let wrapped = u - floor(u);
-    let wrapped = if wrapped.is_finite() { wrapped } else { 0.0 };
-    // In 0.5..=count + 0.5, so that truncation is floor. `after` may be `count`, which wraps to 0.
-    let position = wrapped * count as f32 + 0.5;
-    let after = position as usize;
-    let second = if after >= count { after - count } else { after };
-    let first = if after == 0 { count - 1 } else { after - 1 };
-    (first, second, position - after as f32)
+fn linear(table: &[f32; 256], texel: [u8; 3]) -> Vec3 {
+    Vec3::from_array(texel.map(|code| table[code as usize]))
 }
 
 #[cfg(test)]

@@ -84,14 +84,12 @@ impl Survey {
             .collect()
     }
 
-    /// The expected error of those pixels that have a single sample.
+    /// The expected error of those pixels that have a single sample; up to a factor.
     pub(super) fn error_of_singles(&self, counts: &[u32]) -> f64 {
-        /// Neighbours differ by slopes, too, more than what is within a pixel does.
-        const WITHIN: f64 = 0.3;
         let singles = self.variances.iter().zip(counts.chunks_exact(2));
         let singles = singles.filter(|(_, counts)| counts[1] == 0);
         let sum: f64 = singles.map(|(variance, _)| f64::from(*variance)).sum();
-        WITHIN * sum / self.variances.len() as f64
+        sum / self.variances.len() as f64
     }
 
     fn prospect(&self, pixel: usize, counts: &[u32]) -> Prospect {

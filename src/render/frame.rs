@@ -125,21 +125,28 @@ impl Renderer<'_> {
         let (width, display_white) = (settings.width as usize, settings.display_white);
         let mut aim = AIM * target;
         let mut estimates = 0;
+        // The error of single samples, over what their contrast makes expected: only held-out pixels know it.
+        let mut of_expected = None;
         loop {
             if observer.is_stopped() {
                 return None;
             }
             let survey = Survey::new(samples, width, display_white, settings.is_noisy());
             let picture = self.picture(samples);
-            // One decision for all pixels, on which a single pixel has next to no influence.
             let of_halves = HalfBufferError::of(&picture).map(|error| error.estimate().interval());
-            let of_singles = survey.error_of_singles(&samples.counts);
-            let error = of_halves.map_or(0.0, |[_, upper]| upper) + of_singles;
-            if error > aim
-                && let Some(next) = survey.next_counts(&samples.counts, aim / error, sampler.most())
-            {
-                samples.refine(grid, sampler, |index| next[index], observer);
-                continue;
+            let singles = survey.error_of_singles(&samples.counts);
+            let is_first = singles > 0.0 && of_expected.is_none();
+            if !is_first {
+                // One decision for all pixels, on which a single pixel has next to no influence.
+                let of_halves = of_halves.map_or(0.0, |[_, upper]| upper);
+                let error = of_halves + of_expected.unwrap_or(0.0) * singles;
+                if error > aim
+                    && let Some(next) =
+                        survey.next_counts(&samples.counts, aim / error, sampler.most())
+                {
+                    samples.refine(grid, sampler, |index| next[index], observer);
+                    continue;
+                }
             }
             let expected_errors = survey.expected_errors(&samples.counts);
             let error = self.error(samples, &picture, expected_errors, sampler, estimates);
@@ -148,7 +155,11 @@ impl Renderer<'_> {
             if upper <= target || estimates == MOST_ESTIMATES {
                 return Some((picture, error));
             }
-            aim *= (AIM * target / upper).min(0.9);
+            if is_first {
+                of_expected = Some(error.whole.rel_mse / singles);
+            } else {
+                aim *= (AIM * target / upper).min(0.9);
+            }
         }
     }
 

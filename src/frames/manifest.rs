@@ -38,7 +38,7 @@ impl Manifest {
         there.is_some() && there == Manifest::of(folder).to_text().ok()
     }
 
-    /// Writes `manifest.ron`, `errors.csv` and `errors.svg`: the text that `chart` makes of the records, in the order of
+    /// Writes `manifest.ron` and, if there are frames, `errors.csv` and `errors.svg`: the text that `chart` makes of the records, in the order of
     /// their frames. Without a text there is no such file.
     ///
     /// Processes that do so at the same time take turns, each after its own frames: the last one has seen all of them.
@@ -68,6 +68,9 @@ impl Manifest {
         let text = self.to_text().map_err(io::Error::other);
         let text = text.map_err(|error| FileError::writing(&folder.file(MANIFEST_FILE), error))?;
         folder.write_atomic(MANIFEST_FILE, text.as_bytes())?;
+        if self.frames.is_empty() {
+            return Ok(());
+        }
         folder.write_atomic(ERROR_TABLE, self.table().as_bytes())?;
         let drawn = chart(&self.frames)
             .map_err(|error| FileError::writing(&folder.file(ERROR_CHART), error))?;

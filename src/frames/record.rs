@@ -93,7 +93,7 @@ mod tests {
         let text = record.to_text().expect("plain numbers");
         assert_eq!(FrameRecord::from_text(&text), Some(record), "{text}");
         assert_eq!(error.rel_mse, 0.001_234_6);
-        assert_eq!([error.low, error.high], [0.001_215, 0.001_254_2]);
+        assert_eq!([error.low, error.high], [0.001_215, 0.001_254_3]);
         for other in ["Software", "", "Frame(frame:7) ab"] {
             assert_eq!(FrameRecord::from_text(other), None);
         }

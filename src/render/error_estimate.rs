@@ -15,13 +15,13 @@ pub struct ErrorEstimate {
 }
 
 impl ErrorEstimate {
-    /// The 95 % confidence interval of the error. It reaches further up than down, as that of the logarithm does in second
-    /// order: estimates that are too low have standard errors that are too low.
+    /// The 95 % confidence interval of the error. It reaches further up than down, by what that of the logarithm does in
+    /// second order: estimates that are too low have standard errors that are too low.
     pub fn interval(&self) -> [f64; 2] {
         let half_width = 1.96 * self.standard_error;
         let shift = 0.5 * half_width * (half_width / self.rel_mse).min(1.0);
         let (low, high) = (self.rel_mse - half_width, self.rel_mse + half_width);
-        [(low + shift).max(0.0), high + shift]
+        [low.max(0.0), high + shift]
     }
 
     /// The sum of two independent parts of an error.

@@ -156,7 +156,7 @@ impl Renderer<'_> {
                 return Some((picture, error));
             }
             if is_first {
-                of_expected = Some(error.whole.rel_mse / singles);
+                of_expected = Some(upper / singles);
             } else {
                 aim *= (AIM * target / upper).min(0.9);
             }
@@ -219,7 +219,7 @@ impl Renderer<'_> {
             film: resolve(film),
             half_difference: half_difference.map(resolve),
             spacing: match self.settings.sampling {
-                PixelSampling::Corners => 2,
+                PixelSampling::Corners if self.settings.is_noisy() => 2,
                 _ => 1,
             },
             is_noisy: self.settings.is_noisy(),

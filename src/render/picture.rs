@@ -12,7 +12,7 @@ pub(super) struct Picture {
     pub(super) film: Film,
     /// Half the difference of its half buffers, if it has any.
     pub(super) half_difference: Option<Film>,
-    /// The distance to the nearest pixels in a row that share no samples.
+    /// The distance to the nearest pixels in a row that share no noise.
     pub(super) spacing: usize,
     /// Whether it has Monte Carlo noise.
     pub(super) is_noisy: bool,

@@ -220,13 +220,17 @@ fn sequences_list_the_errors_of_their_frames() {
             .skip(1)
             .map(|row| row.split(',').map(|n| n.parse().unwrap()).collect())
             .collect();
-        assert_eq!(table.lines().next(), Some("frame,relMSE,low,high"));
+        assert_eq!(
+            table.lines().next(),
+            Some("frame,relMSE,low,high,worst_block,blurred")
+        );
         assert_eq!(
             rows.iter().map(|row| row[0]).collect::<Vec<_>>(),
             [0.0, 2.0, 3.0]
         );
         for row in &rows {
             assert!(row[2] < row[1] && row[1] < row[3], "{row:?}");
+            assert!(row[4] > row[1] && row[5] < row[1], "{row:?}");
         }
         let manifest = read("manifest.ron");
         assert!(
@@ -243,7 +247,8 @@ fn sequences_list_the_errors_of_their_frames() {
     let out = tempfile::tempdir().unwrap();
     let more = ["--mode", "raytracing", "--frames", "0"];
     assert_eq!(render_small("test3", "test3", out.path(), &more).0, Some(0));
-    assert!(!out.path().join("errors.csv").exists());
+    let table = fs::read_to_string(out.path().join("errors.csv")).unwrap();
+    assert_eq!(table.lines().count(), 2);
 }
 
 #[test]
@@ -363,8 +368,8 @@ fn wrong_commands_are_refused() {
         (&["--aov", "error"], "no Monte Carlo noise"),
         (&["--target-error", "2"], "--target-error: 2 is not between"),
         (
-            &["--mode", "supersampling", "--target-error", "0.1"],
-            "supersampling has no Monte Carlo noise",
+            &["--samples", "corners", "--target-error", "0.1"],
+            "target_error: corners cannot be refined",
         ),
         (
             &["--mode", "raytracing", "--gi", "cached"],
@@ -372,7 +377,16 @@ fn wrong_commands_are_refused() {
         ),
         (&["--gi", "often"], "neither path-traced nor cached"),
         (
-            &["--mode", "montecarlo", "--gi", "cached", "--aov", "error"],
+            &[
+                "--mode",
+                "montecarlo",
+                "--gi",
+                "cached",
+                "--samples",
+                "1",
+                "--aov",
+                "error",
+            ],
             "take more camera samples",
         ),
     ];

@@ -27,10 +27,15 @@ fn one_thread_or_many_give_the_same_bits() {
         settings.sampling = sampling;
         let one = on_threads(1, &settings, 7);
         assert_eq!(one, on_threads(5, &settings, 7), "{sampling:?}");
+    }
+    for integrator in [monte_carlo(3, &[4, 2]), ray_tracing()] {
+        let mut settings = settings(integrator, 61, 35);
+        settings.sampling = PixelSampling::Spread(1);
+        let few = on_threads(1, &settings, 7);
         settings.target_error = Some(0.01);
         let refined = on_threads(1, &settings, 7);
-        assert_ne!(one, refined);
-        assert_eq!(refined, on_threads(5, &settings, 7), "{sampling:?}");
+        assert_ne!(few, refined);
+        assert_eq!(refined, on_threads(5, &settings, 7));
     }
 }
 

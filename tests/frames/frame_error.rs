@@ -91,7 +91,7 @@ fn intervals_hold_the_true_error() {
         let mean = |of: fn(&(bool, f64, f64)) -> f64| runs.iter().map(of).sum::<f64>() / 200.0;
         let (estimated, measured) = (mean(|run| run.1), mean(|run| run.2));
         assert!(
-            (estimated / measured - 1.0).abs() < 0.04,
+            (estimated / measured - 1.0).abs() < 0.08,
             "{case}: {estimated} {measured}"
         );
         let of_reference = reference.error.whole.rel_mse;
@@ -152,9 +152,10 @@ fn the_error_of_an_edge_is_the_known_one() {
 /// Adaptive sampling leaves every pixel unbiased, although it adds samples where neighbouring pixels need them.
 #[test]
 fn frames_of_a_target_error_reach_it_without_bias() {
-    let size = [16, 12];
-    for (integrator, samples, target) in [(monte_carlo(4, &[2]), 4, 0.01), (ray_tracing(), 1, 0.02)]
+    let size = [32, 24];
+    for (integrator, samples, target) in [(monte_carlo(4, &[2]), 4, 0.01), (ray_tracing(), 1, 0.01)]
     {
+        let integrator_is_whitted = integrator == ray_tracing();
         let plain = RenderSettings {
             sampling: PixelSampling::Spread(samples),
             ..settings(integrator, size[0], size[1])
@@ -168,10 +169,14 @@ fn frames_of_a_target_error_reach_it_without_bias() {
             let error = rendered.error.whole;
             assert!(error.interval()[1] <= target, "{error:?}");
             // Not far below the target.
-            assert!(error.rel_mse > 0.03 * target, "{error:?}");
+            assert!(error.rel_mse > 0.02 * target, "{error:?}");
         }
         let few = frame(&plain, 0);
         assert!(few.error.whole.rel_mse > 2.0 * target);
+        // Edges of a few samples are not normally distributed: their mean is compared below.
+        if integrator_is_whitted {
+            continue;
+        }
         let adaptive: Vec<Vec<f64>> = rendered.iter().map(|r| channels(r.film.pixels())).collect();
         let reference = RenderSettings {
             sampling: PixelSampling::Spread(256),
@@ -179,9 +184,9 @@ fn frames_of_a_target_error_reach_it_without_bias() {
         };
         let reference = runs(&ROOM.0, &ROOM.1, &reference, 1_000_000..1_000_032);
         let agreement = Agreement::of(&estimates(&adaptive), &estimates(&reference), 31, 0.0);
-        assert!(agreement.holds(), "{samples} samples: {agreement:?}");
-        // 1.07 for 31 degrees of freedom, with a standard deviation of 0.11 for 192 pixels.
-        assert!((0.6..1.6).contains(&agreement.mean_square), "{agreement:?}");
+        assert!(agreement.holds(), "{agreement:?}");
+        // 1.07 for 31 degrees of freedom, with a standard deviation of 0.06 for 768 pixels.
+        assert!((0.8..1.4).contains(&agreement.mean_square), "{agreement:?}");
     }
 }
 
@@ -191,15 +196,6 @@ fn frames_of_a_target_error_reach_it_without_bias() {
 fn added_samples_do_not_make_frames_brighter() {
     // Initialised first: its initialiser needs the threads that would wait for it below.
     LazyLock::force(&ROOM);
-    let few = spread(monte_carlo(4, &[1]), [32, 24], 1);
-    let adaptive = RenderSettings {
-        target_error: Some(0.05),
-        ..few.clone()
-    };
-    let many = RenderSettings {
-        sampling: PixelSampling::Spread(64),
-        ..few
-    };
     let mean = |settings: &RenderSettings, seeds: std::ops::Range<u32>| {
         let means = seeds.into_par_iter().map(|seed| {
             let film = frame(settings, seed).film;
@@ -208,11 +204,22 @@ fn added_samples_do_not_make_frames_brighter() {
         });
         Estimate::of(&means.collect::<Vec<f64>>())
     };
-    let (adaptive, uniform) = (mean(&adaptive, 0..400), mean(&many, 1_000_000..1_000_100));
-    let error = adaptive.error.hypot(uniform.error);
-    assert!(error < 6e-4 * uniform.mean, "{adaptive:?} {uniform:?}");
-    let z = (adaptive.mean - uniform.mean) / error;
-    assert!(z.abs() < 3.3, "{z}: {adaptive:?} {uniform:?}");
+    for (integrator, target) in [(monte_carlo(4, &[1]), 0.05), (ray_tracing(), 0.01)] {
+        let few = spread(integrator, [32, 24], 1);
+        let adaptive = RenderSettings {
+            target_error: Some(target),
+            ..few.clone()
+        };
+        let many = RenderSettings {
+            sampling: PixelSampling::Spread(64),
+            ..few
+        };
+        let (adaptive, uniform) = (mean(&adaptive, 0..400), mean(&many, 1_000_000..1_000_100));
+        let error = adaptive.error.hypot(uniform.error);
+        assert!(error < 6e-4 * uniform.mean, "{adaptive:?} {uniform:?}");
+        let z = (adaptive.mean - uniform.mean) / error;
+        assert!(z.abs() < 3.3, "{z}: {adaptive:?} {uniform:?}");
+    }
 }
 
 /// The half buffers of a frame are its film plus and minus its half difference. They are independent, so their errors

@@ -78,7 +78,7 @@ for frame in "$out"/of_checked/*.png; do
     cmp "$frame" "$out/of_flythrough/${frame##*/}"
 done
 step "Both videos, small"
-scripts/render_videos.sh "$out" --size 160x90 --splits 4
+scripts/render_videos.sh "$out" --size 160x90
 for video in translate_rotate zoom; do
     ffprobe -v error -show_entries format=duration -of "csv=p=0:s=,:nk=1" "$out/$video.mp4" \
         | sed "s/^/$video.mp4 lasts, in seconds: /"

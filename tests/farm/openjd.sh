@@ -18,8 +18,10 @@ trap 'rm -rf "$dir"' EXIT
 export PATH=$PWD/target/release:$PATH
 options="--mode montecarlo --size 128x72 --samples 32"
 local=${1:-$dir/local}
+# 55 frames.
+sed "s/2\.75/1.125/; s/5\.5/2.25/" paths/zoom.ron > "$dir/short.ron"
 # shellcheck disable=SC2086 # they are several
-flythrough render scenes/test2.ron paths/zoom.ron --out "$local" $options --quiet
+flythrough render scenes/test2.ron "$dir/short.ron" --out "$local" $options --quiet
 local=$(cd "$local" && pwd)
 
 repository=$PWD
@@ -27,7 +29,7 @@ cd "$dir"
 # shellcheck disable=SC2016 # never expanded
 name='-it'"'"'s 100%d \ "$(touch RUN)" *é'
 cp "$repository/scenes/test2.ron" "./$name.ron"
-cp "$repository/paths/zoom.ron" "./$name.path"
+cp "$dir/short.ron" "./$name.path"
 ln -s "$repository/scenes/models" "$repository/scenes/textures" .
 frames=$name.frames video=$name.mp4
 run() {

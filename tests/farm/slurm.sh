@@ -85,12 +85,14 @@ until_so "the cluster is idle" is_up
 export FLYTHROUGH=$repository/target/release/flythrough
 options=(--mode montecarlo --size 128x72 --samples 32)
 local=${1:-$dir/local}
-"$FLYTHROUGH" render scenes/test2.ron paths/zoom.ron --out "$local" "${options[@]}" --quiet
+# 55 frames.
+sed "s/2\.75/1.125/; s/5\.5/2.25/" paths/zoom.ron > "$dir/short.ron"
+"$FLYTHROUGH" render scenes/test2.ron "$dir/short.ron" --out "$local" "${options[@]}" --quiet
 local=$(cd "$local" && pwd)
 
 cd "$dir"
 cp "$repository/scenes/test2.ron" "./$name.ron"
-cp "$repository/paths/zoom.ron" "./$name.path"
+cp "$dir/short.ron" "./$name.path"
 ln -s "$repository/scenes/models" "$repository/scenes/textures" .
 submit() {
     CHUNK=5 CPUS=1 "$repository/scripts/submit_slurm.sh" "$name.ron" "$name.path" "$frames" "$video" \

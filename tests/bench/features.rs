@@ -11,7 +11,7 @@
 
 use flythrough::camera_formats::load_camera_path;
 use flythrough::film::Film;
-use flythrough::input::{InputFiles, Settings, load_scene};
+use flythrough::input::{InputFiles, Samples, Settings, load_scene};
 use flythrough::render::Renderer;
 use flythrough::scene::Scene;
 use std::path::Path;
@@ -52,7 +52,7 @@ fn main() {
         let settings = Settings {
             mode: Some(mode.parse().unwrap()),
             size: Some(size),
-            samples: Some(samples),
+            samples: Some(Samples::Spread(samples)),
             splits: Some(vec![1]),
             ..Settings::default()
         };

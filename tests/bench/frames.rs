@@ -28,10 +28,10 @@ const RUNS: usize = 5;
 
 /// Name, scene, path, frame, settings.
 fn rows() -> Vec<(&'static str, &'static str, &'static str, u32, Settings)> {
-    let settings = |mode: &str, size, samples, splits: &[u32]| Settings {
+    let settings = |mode: &str, size, samples: &str, splits: &[u32]| Settings {
         mode: Some(mode.parse().unwrap()),
         size: Some(size),
-        samples,
+        samples: Some(samples.parse().unwrap()),
         splits: Some(splits.to_vec()),
         ..Settings::default()
     };
@@ -43,56 +43,56 @@ fn rows() -> Vec<(&'static str, &'static str, &'static str, u32, Settings)> {
             "test3",
             "test3",
             0,
-            settings("raytracing", small, None, &[]),
+            settings("raytracing", small, "center", &[]),
         ),
         (
             "test3 supersampling",
             "test3",
             "test3",
             0,
-            settings("supersampling", small, None, &[]),
+            settings("supersampling", small, "corners", &[]),
         ),
         (
             "test3 montecarlo, 64 paths from 4 camera samples",
             "test3",
             "test3",
             0,
-            settings("montecarlo", small, Some(4), &[16]),
+            settings("montecarlo", small, "4", &[16]),
         ),
         (
             "test3 montecarlo, 64 paths from 64 camera samples",
             "test3",
             "test3",
             0,
-            settings("montecarlo", small, Some(64), &[1]),
+            settings("montecarlo", small, "64", &[1]),
         ),
         (
             "test2 montecarlo, 32 paths",
             "test2",
             "zoom",
             0,
-            settings("montecarlo", small, None, &[32]),
+            settings("montecarlo", small, "center", &[32]),
         ),
         (
             "gallery montecarlo, 64 paths from 4 camera samples",
             "gallery",
             "gallery",
             100,
-            settings("montecarlo", small, Some(4), &[16]),
+            settings("montecarlo", small, "4", &[16]),
         ),
         (
             "gallery raytracing, 720p, 4 samples",
             "gallery",
             "gallery",
             100,
-            settings("raytracing", hd, Some(4), &[]),
+            settings("raytracing", hd, "4", &[]),
         ),
         (
             "gallery supersampling, 720p",
             "gallery",
             "gallery",
             100,
-            settings("supersampling", hd, None, &[]),
+            settings("supersampling", hd, "corners", &[]),
         ),
     ]
 }

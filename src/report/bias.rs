@@ -62,7 +62,19 @@ pub(super) fn bias(
 
 /// Adaptive sampling depends on all pixels of a frame: the frame is rendered whole, and small.
 fn needs_frames(technique: &Technique) -> bool {
-    technique.settings.target_error.is_some()
+    technique.target().is_some()
+}
+
+/// The techniques that are biased, in one sentence; none if there are none.
+pub(super) fn advice(rows: &[BiasRow]) -> Option<String> {
+    let biased = rows.iter().filter(|row| row.is_biased);
+    let names: Vec<&str> = biased.map(|row| row.curve).collect();
+    (!names.is_empty()).then(|| {
+        format!(
+            "Biased, which their relMSE includes and more samples do not remove: {}.",
+            names.join("; ")
+        )
+    })
 }
 
 /// About how many paths the check traces, for the progress.

@@ -18,8 +18,8 @@ pub struct Measurement {
     pub curve: &'static str,
     /// The flags that select it.
     pub flags: String,
-    /// Whether `--target-error` can be added to the flags, and more samples reduce the error without bound.
-    pub falls_with_samples: bool,
+    /// Whether it renders indirect diffuse light, as the references do.
+    pub has_indirect: bool,
     /// Columns and rows.
     pub size: (u32, u32),
     /// Seconds per frame.
@@ -40,7 +40,7 @@ pub struct Measurement {
     pub rel_mse: f64,
     /// The least and the largest relMSE of a seed.
     pub spread: [f64; 2],
-    /// relMSE as the frames estimate it, without a reference.
+    /// relMSE as the frames estimate it, without a reference: of direct light alone, that of direct light alone.
     pub own_estimate: f64,
     /// The 95th percentile of the relative errors.
     pub p95_relative_error: f64,
@@ -50,6 +50,13 @@ pub struct Measurement {
     pub mean_bias_interval: [f64; 2],
     /// Mean FLIP of the displayed pictures.
     pub flip: f64,
+}
+
+impl Measurement {
+    /// The error that the frames claim over the one that is measured; none where that is in the noise of the references.
+    pub(super) fn claimed(&self) -> Option<f64> {
+        (self.spread[0] > 0.0).then(|| self.own_estimate / self.rel_mse)
+    }
 }
 
 /// The cost and the error of one rendering.
@@ -110,7 +117,7 @@ pub(super) fn measure(
     let measurement = Measurement {
         curve: technique.curve,
         flags: technique.flags(),
-        falls_with_samples: technique.falls_with_samples(),
+        has_indirect: technique.has_indirect(),
         size,
         seconds,
         cpu_seconds: over(&|run| run.seconds.cpu),

@@ -77,8 +77,9 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
     let full_size = inputs.full_size();
     let references: Vec<ReferenceRow> = references.iter().map(quality).collect();
     let mut advice: Vec<String> = TARGETS
-        .map(|target| advice::advice(&measurements, target, full_size))
+        .map(|target| advice::advice(&techniques, &measurements, &bias, target, full_size))
         .to_vec();
+    advice.extend(bias::advice(&bias));
     advice.extend(flicker::advice(&flicker));
     advice.extend(inputs.caveat());
     advice.extend(reference::advice(inputs, &references));

@@ -1,6 +1,8 @@
 //! The techniques that a report compares.
 
-use crate::input::{GlobalIllumination, MIN_TARGET_ERROR, Mode, Samples, Settings};
+use super::advice::TARGETS;
+use crate::input::{GlobalIllumination, Mode, Samples, Settings};
+use crate::render::PixelSampling;
 
 /// About how many paths take as long as a camera sample without indirect light.
 pub(super) const WITHOUT_PATHS: f64 = 0.2;
@@ -12,37 +14,40 @@ pub struct Technique {
     pub curve: &'static str,
     /// What it sets; the rest is the sequence's own.
     pub settings: Settings,
-    /// Whether its bias is checked: at most one of each curve is.
+    /// Whether its bias is checked: one of each curve is.
     pub is_checked: bool,
 }
 
 /// How many camera samples the frames of a technique have.
 #[derive(Clone, Copy)]
 enum Amount {
-    Samples(Samples),
-    /// As many as it takes.
+    Given(Samples),
+    /// As many as it takes for this error.
     TargetError(f64),
+    /// As many as it takes for the error of the mode.
+    Default,
 }
 
 /// All techniques, in the order of the report.
 pub fn techniques() -> Vec<Technique> {
-    use Amount::TargetError;
+    use Amount::{Default, TargetError};
+    use GlobalIllumination::{Cached, PathTraced};
     use Mode::{Montecarlo, Raytracing, Supersampling};
-    const CENTER: Amount = Amount::Samples(Samples::Center);
-    const CORNERS: Amount = Amount::Samples(Samples::Corners);
-    let spread = |count| Amount::Samples(Samples::Spread(count));
-    let curve = |curve: &'static str, mode: Mode, gi, points: &[(Amount, &[u32])]| {
-        let technique = |(number, (amount, splits)): (usize, &(Amount, &[u32]))| Technique {
+    const CENTER: Amount = Amount::Given(Samples::Center);
+    const CORNERS: Amount = Amount::Given(Samples::Corners);
+    let spread = |count| Amount::Given(Samples::Spread(count));
+    let curve = |curve: &'static str, mode, gi, points: &[(Amount, &[u32])]| {
+        let technique = |(number, &(amount, splits)): (usize, &(Amount, &[u32]))| Technique {
             curve,
             settings: Settings {
                 mode: Some(mode),
                 samples: match amount {
-                    Amount::Samples(samples) => Some(*samples),
-                    TargetError(_) => None,
+                    Amount::Given(samples) => Some(samples),
+                    TargetError(_) | Default => None,
                 },
                 target_error: match amount {
-                    Amount::Samples(_) => None,
-                    TargetError(target) => Some(*target),
+                    TargetError(target) => Some(target),
+                    Amount::Given(_) | Default => None,
                 },
                 splits: (!splits.is_empty()).then(|| splits.to_vec()),
                 gi: Some(gi),
@@ -52,44 +57,41 @@ pub fn techniques() -> Vec<Technique> {
         };
         points.iter().enumerate().map(technique).collect::<Vec<_>>()
     };
-    let path_traced = |name, points: &[(Amount, &[u32])]| {
-        curve(name, Montecarlo, GlobalIllumination::PathTraced, points)
-    };
-    let direct = |name, mode, amounts: &[Amount]| {
+    let path_traced =
+        |name, points: &[(Amount, &[u32])]| curve(name, Montecarlo, PathTraced, points);
+    let without_paths = |name, mode, gi, amounts: &[Amount]| {
         let points: Vec<(Amount, &[u32])> =
             amounts.iter().map(|&amount| (amount, &[][..])).collect();
-        curve(name, mode, GlobalIllumination::PathTraced, &points)
+        curve(name, mode, gi, &points)
     };
-    let cached = |name, amounts: &[Amount]| {
-        let points: Vec<(Amount, &[u32])> =
-            amounts.iter().map(|&amount| (amount, &[][..])).collect();
-        curve(name, Montecarlo, GlobalIllumination::Cached, &points)
-    };
-    let targets = [TargetError(0.003), TargetError(0.001), TargetError(0.0003)];
+    let direct = |name, mode, amounts: &[Amount]| without_paths(name, mode, PathTraced, amounts);
+    let cached = |name, amounts: &[Amount]| without_paths(name, Montecarlo, Cached, amounts);
+    let [visible, hardly_visible, smooth] = TARGETS.map(TargetError);
     [
-        direct("raytracing", Raytracing, &[CENTER]),
-        direct("supersampling: corners", Supersampling, &[CORNERS]),
+        direct("direct light, center", Raytracing, &[CENTER]),
+        direct("direct light, corners", Supersampling, &[CORNERS]),
         direct(
-            "supersampling: spread",
+            "direct light, spread",
             Supersampling,
             &[spread(4), spread(16)],
         ),
+        // With a target error, raytracing is supersampling.
         direct(
-            "supersampling, to a target error",
+            "direct light, adaptive",
             Supersampling,
-            &targets[1..],
+            &[hardly_visible, smooth],
         ),
         path_traced(
-            "montecarlo",
+            "path-traced, center",
             &[(CENTER, &[4]), (CENTER, &[16]), (CENTER, &[64])],
         ),
-        path_traced("montecarlo: corners", &[(CORNERS, &[8]), (CORNERS, &[32])]),
+        path_traced("path-traced, corners", &[(CORNERS, &[8]), (CORNERS, &[32])]),
         path_traced(
-            "montecarlo, 4 camera samples",
-            &[(spread(4), &[1]), (spread(4), &[4]), (spread(4), &[16])],
+            "path-traced, 4 camera samples",
+            &[(spread(4), &[4]), (spread(4), &[16])],
         ),
         path_traced(
-            "montecarlo, one path each",
+            "path-traced, one path each",
             &[
                 (spread(4), &[1]),
                 (spread(16), &[1]),
@@ -97,23 +99,23 @@ pub fn techniques() -> Vec<Technique> {
                 (spread(256), &[1]),
             ],
         ),
+        // The smallest target would take longer than all others together: advice extrapolates to it.
         path_traced(
-            "montecarlo, splitting twice",
-            &[(spread(4), &[2, 2]), (spread(4), &[8, 2])],
-        ),
-        path_traced(
-            "montecarlo, to a target error",
+            "path-traced, adaptive",
             &[
-                (TargetError(0.01), &[2]),
-                (targets[0], &[2]),
-                (targets[1], &[2]),
+                (visible, &[2]),
+                (TargetError(0.003), &[2]),
+                (hardly_visible, &[2]),
             ],
         ),
         cached(
-            "montecarlo, irradiance cache",
+            "irradiance cache",
             &[CENTER, spread(4), spread(16), spread(64)],
         ),
-        cached("montecarlo, irradiance cache, to a target error", &targets),
+        cached(
+            "irradiance cache, adaptive",
+            &[visible, hardly_visible, Default, smooth],
+        ),
     ]
     .concat()
 }
@@ -151,87 +153,138 @@ impl Technique {
         self.settings.gi == Some(GlobalIllumination::Cached)
     }
 
-    /// Whether `--target-error` can be added to the flags, and more samples reduce the error without bound: they do not
-    /// reduce the cache error.
-    pub(super) fn falls_with_samples(&self) -> bool {
-        let targeted = Settings {
-            target_error: Some(MIN_TARGET_ERROR),
-            ..self.settings.clone()
+    /// Whether it renders indirect diffuse light, as the references do.
+    pub(super) fn has_indirect(&self) -> bool {
+        !matches!(
+            self.settings.mode.unwrap_or_default(),
+            Mode::Raytracing | Mode::Supersampling
+        )
+    }
+
+    /// Its flags with another target error, where more samples reduce the error without bound: they add no indirect
+    /// light and do not reduce the error of an irradiance cache.
+    pub(super) fn flags_to(&self, target: f64) -> Option<String> {
+        let targeted = Technique {
+            settings: Settings {
+                target_error: Some(target),
+                ..self.settings.clone()
+            },
+            ..self.clone()
         };
-        let is_free = self.settings.target_error.is_none() && !self.uses_cache();
-        is_free && targeted.check_together().is_ok()
+        let falls =
+            self.has_indirect() && !self.uses_cache() && targeted.settings.check_together().is_ok();
+        falls.then(|| targeted.flags())
+    }
+
+    /// The error that decides how many samples each pixel gets, if one does.
+    pub(super) fn target(&self) -> Option<f64> {
+        match (
+            self.settings.target_error,
+            self.settings.resolve(1).sampling,
+        ) {
+            (Some(target), _) | (None, PixelSampling::Adaptive(target)) => Some(target),
+            _ => None,
+        }
     }
 
     /// About how many paths each pixel traces, for the progress.
     pub(super) fn paths(&self) -> f64 {
-        let samples = match self.settings.samples {
-            Some(Samples::Spread(count)) => count,
-            _ => 1,
-        };
-        let paths = match &self.settings.splits {
+        let paths_of_sample = match &self.settings.splits {
             Some(splits) => splits.iter().map(|&split| f64::from(split)).product(),
             None => WITHOUT_PATHS,
         };
-        let wanted = self
-            .settings
-            .target_error
-            .map_or(1.0, |target| 0.1 / target);
-        f64::from(samples) * paths * wanted
+        match (self.target(), self.settings.samples) {
+            (Some(target), _) if self.has_indirect() && !self.uses_cache() => 0.1 / target,
+            (Some(target), _) => 0.005 / target * WITHOUT_PATHS,
+            (None, Some(Samples::Spread(count))) => f64::from(count) * paths_of_sample,
+            (None, _) => paths_of_sample,
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::MIN_TARGET_ERROR;
     use std::collections::BTreeMap;
 
     #[test]
-    fn every_technique_can_be_rendered_and_every_curve_is_checked_once_at_most() {
+    fn every_technique_can_be_rendered_and_every_curve_is_checked_once() {
         let mut checked: BTreeMap<&str, usize> = BTreeMap::new();
+        let mut flags = Vec::new();
         for technique in techniques() {
             assert_eq!(technique.settings.check(), Ok(()));
             assert_eq!(technique.settings.check_together(), Ok(()));
             *checked.entry(technique.curve).or_default() += usize::from(technique.is_checked);
+            flags.push(technique.flags());
         }
-        assert!(checked.values().all(|count| *count <= 1), "{checked:?}");
-        assert_eq!(checked["montecarlo"], 1);
+        assert!(checked.values().all(|count| *count == 1), "{checked:?}");
+        let all = flags.len();
+        flags.sort();
+        flags.dedup();
+        assert_eq!(flags.len(), all, "nothing is measured twice");
     }
 
     #[test]
-    fn adaptive_sampling_needs_path_traced_light() {
+    fn only_path_traced_light_at_random_positions_gets_any_error() {
         for technique in techniques() {
             let flags = technique.flags();
-            let gathers = flags.contains("montecarlo") && !flags.contains("--gi cached");
-            let has_target = flags.contains("--target-error");
-            let falls = technique.falls_with_samples();
-            assert_eq!(falls, gathers && !has_target, "{flags}");
-            assert_eq!(
-                technique.uses_cache(),
-                flags.contains("--gi cached"),
-                "{flags}"
-            );
+            let is_path_traced = flags.contains("montecarlo") && !flags.contains("--gi cached");
+            let is_fixed = flags.contains("center") || flags.contains("corners");
+            let extended = technique.flags_to(MIN_TARGET_ERROR);
+            assert_eq!(extended.is_some(), is_path_traced && !is_fixed, "{flags}");
+            if let Some(extended) = extended {
+                assert_eq!(extended.matches("--target-error").count(), 1, "{extended}");
+                assert!(extended.contains("--target-error 0.000001"), "{extended}");
+            }
+            assert_eq!(technique.uses_cache(), flags.contains("--gi cached"));
+            assert_eq!(technique.has_indirect(), flags.contains("montecarlo"));
+        }
+    }
+
+    #[test]
+    fn samples_follow_an_error_where_nothing_else_counts_them() {
+        for technique in techniques() {
+            let flags = technique.flags();
+            let is_counted = flags.contains("--samples");
+            assert_eq!(technique.target().is_none(), is_counted, "{flags}");
         }
     }
 
     #[test]
     fn flags_are_the_settings() {
-        let find = |curve: &str| techniques().into_iter().rfind(|t| t.curve == curve);
+        let of = |curve: &str| -> Vec<String> {
+            let techniques = techniques().into_iter().filter(|t| t.curve == curve);
+            techniques.map(|t| t.flags()).collect()
+        };
         for (curve, flags) in [
-            ("raytracing", "--mode raytracing"),
+            ("direct light, center", "--mode raytracing --samples center"),
             (
-                "montecarlo, splitting twice",
-                "--mode montecarlo --samples 4 --splits 8,2",
+                "direct light, adaptive",
+                "--mode supersampling --target-error 0.0002",
             ),
             (
-                "montecarlo, irradiance cache",
+                "path-traced, corners",
+                "--mode montecarlo --samples corners --splits 32",
+            ),
+            (
+                "path-traced, adaptive",
+                "--mode montecarlo --splits 2 --target-error 0.001",
+            ),
+            (
+                "irradiance cache",
                 "--mode montecarlo --samples 64 --gi cached",
             ),
             (
-                "montecarlo, to a target error",
-                "--mode montecarlo --samples 4 --splits 2 --target-error 0.001",
+                "irradiance cache, adaptive",
+                "--mode montecarlo --gi cached",
+            ),
+            (
+                "irradiance cache, adaptive",
+                "--mode montecarlo --target-error 0.0002 --gi cached",
             ),
         ] {
-            assert_eq!(find(curve).map(|t| t.flags()).as_deref(), Some(flags));
+            assert!(of(curve).iter().any(|of| of == flags), "{:?}", of(curve));
         }
     }
 }

@@ -92,12 +92,14 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
         "\n![Error against time](curves.png)\n\n\
          Means of frames {} with {} seeds each, on {} threads, without a rendering to warm up. Advice and curves have \
          the seconds of a frame of {width}x{height}, in proportion to its pixels; where the irradiance cache is used, \
-         with its part of baking, if all frames are rendered. Errors are in units of display white.\n\n\
+         with its part of baking, if all frames are rendered. Adaptive frames \
+         check their own error, which takes a larger part of a small frame: at the sequence's own size they take less than \
+         this says. Errors are in units of display white.\n\n\
          * relMSE: the mean of (x - r)^2 / (m^2 + 0.01), where r is the reference and m its local mean. It is corrected \
          for the noise of the reference, and may be negative where it is less than that; in brackets the least and the \
          largest of a seed.\n\
-         * own relMSE: the estimate of the frames themselves, without a reference. It does not include bias, nor \
-         aliasing where a pixel's samples are not spread.\n\
+         * own relMSE: the estimate of the frames themselves, without a reference, and in brackets its part of the \
+         measured one.{}\n\
          * p95 error: the 95th percentile of the relative errors.\n\
          * mean bias: with its 95 % confidence interval in brackets.\n\
          * FLIP: how visible the errors are when picture and reference alternate (Andersson et al. 2020).\n\n\
@@ -105,6 +107,7 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
         frames.join(", "),
         report.seeds,
         rayon::current_num_threads(),
+        claims(&report.measurements),
         bake(&report.bake)
     )?;
     measurements(&report.measurements, report.full_size, out)?;
@@ -122,15 +125,16 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
         "\n## Bias\n\n\
          At random pixels, from two independent pictures and two independent oracle estimates of {ORACLE_PATHS} paths \
          each, with standard errors: the squared bias, the part of relMSE that averaging does not remove, and the mean \
-         bias. Both pictures share the irradiance cache, so its error is part of the bias. An unbiased technique is called \
-         biased about once in 500 times; more often where a few bright pixels are among many dark ones.\n\n\
+         bias. Both pictures share the irradiance cache, so its error is part of the bias. relMSE includes bias as any other \
+         error: a biased technique whose relMSE is below a target is as good as an unbiased one, but more samples do not \
+         take it much further. An unbiased technique is called biased about once in 500 times; more often where a few bright pixels are among many dark ones.\n\n\
          | technique | pixels | squared bias | mean bias, % | |\n|---|---|---|---|---|"
     )?;
     for row in &report.bias {
         let (squared, mean) = (row.squared_bias, row.mean_bias / 0.01);
         let (width, height) = row.size;
         let verdict = if row.is_biased {
-            "**biased**"
+            "biased: part of its relMSE"
         } else {
             "none found"
         };
@@ -175,6 +179,20 @@ fn write(report: &Report, out: &mut String) -> std::fmt::Result {
     Ok(())
 }
 
+/// How far the frames' own estimates are from the measured errors, in a sentence.
+fn claims(rows: &[Measurement]) -> String {
+    let of_whole = rows.iter().filter(|m| m.has_indirect);
+    let claims = of_whole.filter_map(|m| Some((m.claimed()?, &m.flags)));
+    let order = |a: &(f64, _), b: &(f64, _)| a.0.total_cmp(&b.0);
+    match (claims.clone().min_by(order), claims.max_by(order)) {
+        (Some((least, at_least)), Some((most, at_most))) => format!(
+            " That of direct light alone knows nothing of the indirect light that is missing; the others are {least:.2} \
+             (`{at_least}`) to {most:.2} times (`{at_most}`) the measured error."
+        ),
+        _ => String::new(),
+    }
+}
+
 fn bake(bake: &BakeCost) -> String {
     let [primary, secondary] = bake.records;
     format!(
@@ -200,7 +218,8 @@ fn measurements(
     for m in rows {
         let (width, height) = m.size;
         let [low, high] = m.spread;
-        let own = format!("{:.2e}", m.own_estimate);
+        let claimed = m.claimed().map(|of| format!(" ({of:.2})"));
+        let own = format!("{:.2e}{}", m.own_estimate, claimed.unwrap_or_default());
         let [bias_low, bias_high] = m.mean_bias_interval.map(|bias| 100.0 * bias);
         writeln!(
             out,

@@ -19,7 +19,7 @@ use std::ops::Range;
 const WORST_BLOCKS: usize = 2;
 
 /// ... and the least number of samples of each estimate of their pixels: the largest of noisy errors is too large.
-const LEAST_SAMPLES_OF_WORST: u32 = 8;
+const LEAST_SAMPLES_OF_WORST: u32 = 4;
 
 /// The part of a picture's samples that held-out pixels take beside, ...
 const FRACTION: f64 = 0.012;

@@ -79,3 +79,76 @@ impl<'a> HalfBufferError<'a> {
         squares.sum::<f64>() / (width * height) as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metrics::normaliser;
+    use crate::metrics::synthetic::Noise;
+
+    const WIDTH: usize = 64;
+    const COUNT: usize = WIDTH * 48;
+
+    /// The estimated and the true error of a picture of constant radiance 0.5, whose half buffers have noise of this
+    /// variance: grey, or independent in each channel.
+    fn estimated_and_true(noise: &mut Noise, variance: f32, grey: bool) -> (ErrorEstimate, f64) {
+        let mut half = || -> Vec<Vec3> {
+            let mut value = |_| {
+                let sigma = f64::from(variance).sqrt();
+                match grey {
+                    true => Vec3::splat(0.5 + (sigma * noise.normal()) as f32),
+                    false => noise.light(Vec3::splat(0.5), sigma),
+                }
+            };
+            (0..COUNT).map(&mut value).collect()
+        };
+        let (a, b) = (half(), half());
+        let film = |pixels: Vec<Vec3>| Film::from_pixels(WIDTH as u32, 48, pixels);
+        let both = || a.iter().zip(&b);
+        let picture = Picture {
+            film: film(both().map(|(a, b)| 0.5 * (a + b)).collect()),
+            half_difference: Some(film(both().map(|(a, b)| 0.5 * (a - b)).collect())),
+            spacing: 1,
+            is_noisy: true,
+            display_white: 1.0,
+        };
+        let truth = vec![Vec3::splat(0.5); COUNT];
+        let error = |(index, x): (usize, &Vec3)| {
+            let square = normaliser(&truth, WIDTH, index, 1, 1.0);
+            ((x - 0.5).powf(2.0) / square).element_sum()
+        };
+        let sum: f32 = picture.film.pixels().iter().enumerate().map(error).sum();
+        let estimate = HalfBufferError::of(&picture)
+            .expect("half buffers")
+            .estimate();
+        (estimate, f64::from(sum) / COUNT as f64 / 3.0)
+    }
+
+    #[test]
+    fn noise_of_known_variance() {
+        let mut noise = Noise::new(1);
+        // The larger one makes the inverse normaliser 5 % too large, but for its correction.
+        for (variance, grey) in [(0.0016, true), (0.0016, false), (0.09, true)] {
+            let runs: Vec<_> = (0..100)
+                .map(|_| estimated_and_true(&mut noise, variance, grey))
+                .collect();
+            let mean =
+                |of: fn(&(ErrorEstimate, f64)) -> f64| runs.iter().map(of).sum::<f64>() / 100.0;
+            let estimated = mean(|(estimated, _)| estimated.rel_mse);
+            // The variance of the mean of two half buffers, over the squares of the radiance and of a tenth of white.
+            let expected = f64::from(variance) / 2.0 / 0.26;
+            assert!(
+                (estimated / expected - 1.0).abs() < 0.01,
+                "{estimated} {expected}"
+            );
+            let z = runs.iter().map(|(estimated, error)| {
+                let off = (estimated.rel_mse - error) / estimated.standard_error;
+                off * off
+            });
+            let mean_square = z.sum::<f64>() / 100.0;
+            // The fourth power overestimates the variance of independent channels.
+            let least = if grey { 0.6 } else { 0.4 };
+            assert!((least..1.4).contains(&mean_square), "{grey} {mean_square}");
+        }
+    }
+}

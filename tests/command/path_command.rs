@@ -30,12 +30,12 @@ fn exported_paths_can_be_imported() {
         let (status, printed, error) = run(&import);
         assert_eq!(status, Some(0), "{error}");
         assert!(
-            printed.contains("55 frames at 24 per second, 2.25 s"),
+            printed.contains("133 frames at 24 per second, 5.50 s"),
             "{printed}"
         );
         export(&path, &name("back.jsonl"));
         let table = text(&folder.path().join("back.jsonl"));
-        assert_eq!(table.lines().count(), 55);
+        assert_eq!(table.lines().count(), 133);
     }
 }
 

@@ -4,9 +4,6 @@ use super::bias::BiasRow;
 use super::measure::Measurement;
 use super::technique::Technique;
 
-/// The relMSE values that are advised on: noise that is just visible, noise that is hardly so, and smooth edges.
-pub(super) const TARGETS: [f64; 3] = [0.01, 0.001, 0.0002];
-
 /// The cheapest setting whose relMSE is `target` or less with every seed, in words, or what would reach it.
 /// `techniques` are those of the measurements, and the last argument is columns and rows of the sequence's frames.
 ///

@@ -21,7 +21,6 @@ mod seconds;
 mod technique;
 mod text;
 
-use advice::TARGETS;
 pub use baked_cache::BakeCost;
 pub use bias::BiasRow;
 pub use error::ReportError;
@@ -76,7 +75,7 @@ pub fn report(inputs: &Inputs, listener: Listener) -> Result<Report, ReportError
     };
     let full_size = inputs.full_size();
     let references: Vec<ReferenceRow> = references.iter().map(quality).collect();
-    let mut advice: Vec<String> = TARGETS
+    let mut advice: Vec<String> = technique::TARGETS
         .map(|target| advice::advice(&techniques, &measurements, &bias, target, full_size))
         .to_vec();
     advice.extend(bias::advice(&bias));

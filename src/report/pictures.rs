@@ -1,10 +1,10 @@
 //! The pictures of a report: charts of error and flicker, and strips of pictures beside their errors.
 
-use super::advice::TARGETS;
 use super::error::ReportError;
 use super::flicker::{self, FlickerRow};
 use super::inputs::Inputs;
 use super::measure::Measurement;
+use super::technique::TARGETS;
 use crate::drawing::chart::{Axis, Chart, Point, Series};
 use crate::film::Film;
 use crate::metrics::{Reference, heat_map, relative_errors};

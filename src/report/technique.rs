@@ -1,8 +1,10 @@
 //! The techniques that a report compares.
 
-use super::advice::TARGETS;
 use crate::input::{GlobalIllumination, Mode, Samples, Settings};
 use crate::render::PixelSampling;
+
+/// The relMSE values that are advised on: noise that is just visible, noise that is hardly so, and smooth edges.
+pub(super) const TARGETS: [f64; 3] = [0.01, 0.001, 0.0002];
 
 /// About how many paths take as long as a camera sample without indirect light.
 pub(super) const WITHOUT_PATHS: f64 = 0.2;

@@ -127,8 +127,12 @@ mod tests {
     #[test]
     fn noise_of_known_variance() {
         let mut noise = Noise::new(1);
-        // The larger one makes the inverse normaliser 5 % too large, but for its correction.
-        for (variance, grey) in [(0.0016, true), (0.0016, false), (0.09, true)] {
+        // The larger one makes the inverse normaliser 5 % too large, but for its correction, which is of first order.
+        for (variance, grey, most) in [
+            (0.0016, true, 0.01),
+            (0.0016, false, 0.01),
+            (0.09, true, 0.03),
+        ] {
             let runs: Vec<_> = (0..100)
                 .map(|_| estimated_and_true(&mut noise, variance, grey))
                 .collect();
@@ -138,7 +142,7 @@ mod tests {
             // The variance of the mean of two half buffers, over the squares of the radiance and of a tenth of white.
             let expected = f64::from(variance) / 2.0 / 0.26;
             assert!(
-                (estimated / expected - 1.0).abs() < 0.01,
+                (estimated / expected - 1.0).abs() < most,
                 "{estimated} {expected}"
             );
             let z = runs.iter().map(|(estimated, error)| {

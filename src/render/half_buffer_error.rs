@@ -150,9 +150,10 @@ mod tests {
                 off * off
             });
             let mean_square = z.sum::<f64>() / 100.0;
-            // The fourth power overestimates the variance of independent channels.
+            // The fourth power overestimates the variance of independent channels; what the jackknife leaves of a bias
+            // comes to the larger noise.
             let least = if grey { 0.6 } else { 0.4 };
-            assert!((least..1.4).contains(&mean_square), "{grey} {mean_square}");
+            assert!((least..1.7).contains(&mean_square), "{grey} {mean_square}");
         }
     }
 }

@@ -72,13 +72,13 @@ step "The release build: its self-test, and its frames are those of the checked 
 target/release/flythrough selftest
 for program in "$out/checked" target/release/flythrough; do
     "$program" render scenes/test2.ron paths/zoom.ron --out "$out/of_${program##*/}" \
-        --frames 0,40 --size 96x54 --mode montecarlo-supersampling --splits 2 --quiet
+        --frames 0,40 --size 96x54 --mode montecarlo-supersampling --splits 2 --samples 4 --quiet
 done
 for frame in "$out"/of_checked/*.png; do
     cmp "$frame" "$out/of_flythrough/${frame##*/}"
 done
 step "Both videos, small"
-scripts/render_videos.sh "$out" --size 160x90
+scripts/render_videos.sh "$out" --size 96x54
 for video in translate_rotate zoom; do
     ffprobe -v error -show_entries format=duration -of "csv=p=0:s=,:nk=1" "$out/$video.mp4" \
         | sed "s/^/$video.mp4 lasts, in seconds: /"

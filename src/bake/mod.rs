@@ -46,7 +46,8 @@ pub struct Baked {
 /// Bakes the irradiance cache for all frames of a path, called `name`, of these settings, on the threads of the
 /// current pool. A given state, of the same scene and settings, is extended by what this path lacks.
 ///
-/// Of a target error the cache may take up half. If it takes up more, the cache is refined, unless a state is given: that holds the records of other paths, too.
+/// Of a target error the cache may take up half. If it takes up more, the cache is refined, unless a state is given:
+/// that holds the records of other paths, too.
 pub fn bake(
     scene: &Scene,
     path: &CameraPath,

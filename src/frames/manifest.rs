@@ -38,8 +38,8 @@ impl Manifest {
         there.is_some() && there == Manifest::of(folder).to_text().ok()
     }
 
-    /// Writes `manifest.ron` and, if there are frames, `errors.csv` and `errors.svg`: the text that `chart` makes of the records, in the order of
-    /// their frames. Without a text there is no such file.
+    /// Writes `manifest.ron` and, if there are frames, `errors.csv` and `errors.svg`: the text that `chart` makes of the
+    /// records, in the order of their frames. Without a text there is no such file.
     ///
     /// Processes that do so at the same time take turns, each after its own frames: the last one has seen all of them.
     /// The listener hears of a process that is waited for.

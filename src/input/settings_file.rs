@@ -221,7 +221,8 @@ impl Settings {
 
     /// The settings of frames in a sequence of `frames`, with defaults for what nothing says: raytracing, 1280 x 720,
     /// 4 bounces, 32 paths from the first diffuse bounce, seed 0; as many samples as [`DEFAULT_ERROR`] or
-    /// [`DEFAULT_PATH_TRACED_ERROR`] takes, in raytracing one in the middle of each pixel; for indirect light see [`Settings::global_illumination`].
+    /// [`DEFAULT_PATH_TRACED_ERROR`] takes, in raytracing one in the middle of each pixel; for indirect
+    /// light see [`Settings::global_illumination`].
     pub fn resolve(&self, frames: u32) -> RenderSettings {
         let mode = self.mode.unwrap_or_default();
         let (width, height) = self.size.unwrap_or(SIZE);

@@ -180,7 +180,7 @@ impl<'a> Sampler<'a> {
         (samples as u32).max(self.first)
     }
 
-    /// The moments of each run, which has at first one sample.
+    /// The moments of each run, which has at least one sample.
     pub(super) fn moments(&self, runs: &[SampleRun], work: &mut Work) -> Vec<Moments> {
         // The sum of a million equal numbers is wrong in single precision.
         let mut sums = vec![Sums::default(); runs.len()];

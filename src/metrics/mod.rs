@@ -25,4 +25,4 @@ pub use heat::heat_map;
 pub use image_error::{ImageError, relative_errors};
 pub use local_mean::{RADIANCE_FLOOR, local_mean, normaliser};
 pub use reference::Reference;
-pub use statistics::{Estimate, invert_decreasing, mean, student_t};
+pub use statistics::{Estimate, mean, student_t};

@@ -131,7 +131,7 @@ const DOUBLE: u32 = 60;
 
 /// The least argument from 0 to `high` where a decreasing function is at most `value`, by `halvings` bisections. `high`
 /// is assumed to be one.
-pub fn invert_decreasing(
+fn invert_decreasing(
     value: f64,
     mut high: f64,
     halvings: u32,

@@ -2,24 +2,29 @@
 
 use super::grid::Grid;
 use super::observer::RenderObserver;
-use super::sampler::{Moments, SampleRun, Sampler, Work};
+use super::sampler::{Moments, QuadrantSums, SampleRun, Sampler, Work};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// The samples of each point of a frame so far.
 pub(super) struct SampleAccumulator {
-    /// Of each point, half buffer by half buffer.
-    pub(super) moments: Vec<Moments>,
+    /// The mean radiance of each point, half buffer by half buffer.
+    pub(super) means: Vec<Vec3>,
     /// How many samples each half buffer of a point has.
     pub(super) counts: Vec<u32>,
+    /// The moments of the quadrants of each pixel, of both half buffers; empty unless samples are adaptive.
+    pub(super) quadrants: Vec<[Moments; 4]>,
     pub(super) rays: u64,
     pub(super) non_finite: u64,
 }
 
 impl SampleAccumulator {
     pub(super) fn new(grid: Grid, sampler: &Sampler) -> SampleAccumulator {
+        let quadrants = if sampler.is_adaptive { grid.len() } else { 0 };
         SampleAccumulator {
-            moments: vec![Moments::default(); grid.len() * sampler.half_buffers],
+            means: vec![Vec3::ZERO; grid.len() * sampler.half_buffers],
             counts: vec![0; grid.len() * sampler.half_buffers],
+            quadrants: vec![Default::default(); quadrants],
             rays: 0,
             non_finite: 0,
         }
@@ -37,10 +42,14 @@ impl SampleAccumulator {
         let halves = sampler.half_buffers;
         let wanted = &wanted;
         let per_row = grid.points_per_tile_row() * halves;
-        let moments = self.moments.par_chunks_mut(per_row);
-        let rows = moments.zip(self.counts.par_chunks_mut(per_row)).enumerate();
+        let means = self.means.par_chunks_mut(per_row);
+        let points = means.zip(self.counts.par_chunks_mut(per_row));
+        let quadrants = self.quadrants.chunks_mut(grid.points_per_tile_row());
+        let mut quadrants: Vec<&mut [[Moments; 4]]> = quadrants.collect();
+        quadrants.resize_with(points.len(), Default::default);
+        let rows = points.zip(quadrants).enumerate();
         // Samples are added row by row of tiles, while they are in the processor's cache.
-        let counts = rows.map(|(row, (moments, counts))| {
+        let counts = rows.map(|(row, ((means, counts), quadrants))| {
             let tiles = grid.tiles_of_row(row).into_par_iter().map(|tile| {
                 let is_stopped = observer.is_stopped();
                 let points = grid.tile_points(tile);
@@ -61,19 +70,26 @@ impl SampleAccumulator {
                     }
                 }
                 let mut work = Work::default();
-                let moments = sampler.moments(&runs, &mut work);
+                let sums = sampler.sums(&runs, &mut work);
                 observer.tile_done(work.query_state.rays);
-                (runs, moments, work)
+                (runs, sums, work)
             });
-            let tiles: Vec<(Vec<SampleRun>, Vec<Moments>, Work)> = tiles.collect();
+            let tiles: Vec<(Vec<SampleRun>, Vec<QuadrantSums>, Work)> = tiles.collect();
             for (run, added) in tiles
                 .iter()
                 .flat_map(|(runs, added, _)| runs.iter().zip(added))
             {
-                let index = grid.index(run.point) * halves + run.sequence.half() - row * per_row;
-                let fraction = (run.end - run.first) as f32 / run.end as f32;
-                moments[index].blend(added, fraction);
+                let point = grid.index(run.point) - row * grid.points_per_tile_row();
+                let index = point * halves + run.sequence.half();
+                let fraction = f64::from(run.end - run.first) / f64::from(run.end);
+                let mean = means[index].as_dvec3().lerp(added.mean(), fraction);
+                means[index] = mean.as_vec3();
                 counts[index] = run.end;
+                if let Some(quadrants) = quadrants.get_mut(point) {
+                    for (quadrant, added) in quadrants.iter_mut().zip(added.moments()) {
+                        quadrant.add(&added);
+                    }
+                }
             }
             let works = || tiles.iter().map(|(.., work)| work);
             let rays: u64 = works().map(|work| work.query_state.rays).sum();

@@ -4,7 +4,6 @@
 use super::accumulator::SampleAccumulator;
 use super::sampler::Moments;
 use crate::metrics::RADIANCE_FLOOR;
-use glam::Vec3;
 use rayon::prelude::*;
 
 /// Lower bound of a variance, as a fraction of the mean variance: a few samples may all have missed what makes a region
@@ -13,9 +12,9 @@ const MIN_RELATIVE_VARIANCE: f32 = 1e-4;
 
 /// What the samples of a frame say about its error.
 ///
-/// The variance of a pixel's samples is estimated from its neighbours, between them as well as within: edges show between
-/// pixels first. No pixel's values decide how many samples it has: its mean is unbiased, and its half buffers are
-/// independent.
+/// The variance of a pixel's samples is estimated from the ring of twelve quadrants of its neighbours that face it, between
+/// them as well as within: edges show between pixels first, and a quadrant tells whether an edge of its pixel comes near.
+/// No pixel's values decide how many samples it has: its mean is unbiased, and its half buffers are independent.
 pub(super) struct Survey {
     /// The estimated variance of one sample of each pixel, relative to the square of the radiance.
     variances: Vec<f32>,
@@ -45,20 +44,15 @@ impl Survey {
         is_noisy: bool,
     ) -> Survey {
         let SampleAccumulator {
-            moments, counts, ..
+            quadrants, counts, ..
         } = samples;
-        let halves = moments.par_chunks_exact(2).zip(counts.par_chunks_exact(2));
-        let pixels = halves.map(|(halves, counts)| match counts[1] {
-            0 => halves[0],
-            _ => halves[0].plus(&halves[1]).scaled(0.5),
-        });
-        let pixels: Vec<Moments> = pixels.collect();
         let floor = (RADIANCE_FLOOR * display_white).powi(2);
         let variance = |row: usize, column: usize| {
-            let around = mean_around(&pixels, width, row, column);
-            around.variance() / (around.mean.length_squared() / 3.0 + floor)
+            let Moments { mean, square, .. } = moments_around(quadrants, width, row, column);
+            let square_of_mean = mean.length_squared() / 3.0;
+            (square - square_of_mean).max(0.0) / (square_of_mean + floor)
         };
-        let mut variances = vec![0.0; pixels.len()];
+        let mut variances = vec![0.0; quadrants.len()];
         let rows = variances.par_chunks_exact_mut(width).enumerate();
         rows.for_each(|(row, variances)| {
             for (column, value) in variances.iter_mut().enumerate() {
@@ -178,34 +172,101 @@ impl Survey {
     }
 }
 
-/// The mean over the up to eight neighbours of a pixel, of which those beside it, above and below count twice; of the
-/// pixel itself where it has none.
-fn mean_around(pixels: &[Moments], width: usize, row: usize, column: usize) -> Moments {
-    let rows = row.saturating_sub(1)..(row + 2).min(pixels.len() / width);
-    let columns = column.saturating_sub(1)..(column + 2).min(width);
-    let (mut mean, mut square, mut weights) = (Vec3::ZERO, 0.0, 0.0);
-    for near_row in rows {
-        for near_column in columns.clone() {
-            let weight = match (near_row == row, near_column == column) {
-                (true, true) => continue,
-                (false, false) => 1.0,
-                _ => 2.0,
-            };
-            let near = &pixels[near_row * width + near_column];
-            mean += weight * near.mean;
-            square += weight * near.square;
-            weights += weight;
+/// The mean of the moments of the up to twelve quadrants around a pixel; of the pixel itself where it has no neighbours.
+fn moments_around(quadrants: &[[Moments; 4]], width: usize, row: usize, column: usize) -> Moments {
+    let mut around = Moments::default();
+    // Each counts as one sample.
+    let mut add = |moments: &Moments| {
+        around.add(&Moments {
+            count: 1,
+            ..*moments
+        })
+    };
+    for near_row in row.saturating_sub(1)..(row + 2).min(quadrants.len() / width) {
+        for near_column in column.saturating_sub(1)..(column + 2).min(width) {
+            if (near_row, near_column) == (row, column) {
+                continue;
+            }
+            let pixel = &quadrants[near_row * width + near_column];
+            for (quadrant, moments) in pixel.iter().enumerate() {
+                let is_lower = quadrant / 2 == 1;
+                let is_right = quadrant % 2 == 1;
+                let faces = (near_row == row || is_lower == (near_row < row))
+                    && (near_column == column || is_right == (near_column < column));
+                match (faces, moments.count) {
+                    (false, _) => {}
+                    (true, 0) => add(&of_pixel(pixel)),
+                    (true, _) => add(moments),
+                }
+            }
         }
     }
-    match weights {
-        0.0 => pixels[row * width + column],
-        weights => Moments {
-            mean: mean / weights,
-            square: square / weights,
-        },
+    match around.count {
+        0 => of_pixel(&quadrants[row * width + column]),
+        _ => around,
     }
+}
+
+/// The moments of a whole pixel.
+fn of_pixel(quadrants: &[Moments; 4]) -> Moments {
+    let mut whole = Moments::default();
+    quadrants.iter().for_each(|quadrant| whole.add(quadrant));
+    whole
 }
 
 fn mean(values: &[f32]) -> f64 {
     values.iter().map(|&value| f64::from(value)).sum::<f64>() / values.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// A wall covers the left of a picture, up to `edge`: pixels of one sample in the middle of each quadrant.
+    fn picture(width: usize, edge: f32) -> Vec<[Moments; 4]> {
+        let quadrant = |column: usize, quadrant: usize| {
+            let x = column as f32 + 0.25 + 0.5 * (quadrant % 2) as f32;
+            let value = if x < edge { 0.0 } else { 1.0 };
+            Moments {
+                mean: Vec3::splat(value),
+                square: value,
+                count: 1,
+            }
+        };
+        let pixel = |index: usize| [0, 1, 2, 3].map(|number| quadrant(index % width, number));
+        (0..3 * width).map(pixel).collect()
+    }
+
+    #[test]
+    fn an_edge_within_a_pixel_shows_around_that_pixel_alone() {
+        let picture = picture(7, 3.5);
+        let variances = (0..7).map(|column| {
+            let Moments { mean, square, .. } = moments_around(&picture, 7, 1, column);
+            square - mean.length_squared() / 3.0
+        });
+        let variances: Vec<f32> = variances.collect();
+        // In column 3 the ring has 4 dark quadrants at the left, 4 bright ones at the right, and one of each kind in
+        // each of the pixels above and below.
+        let expected = [0.0, 0.0, 0.0, 0.25, 0.0, 0.0, 0.0];
+        for (variance, expected) in variances.iter().zip(expected) {
+            assert!((variance - expected).abs() < 1e-6, "{variances:?}");
+        }
+    }
+
+    #[test]
+    fn quadrants_without_samples_are_like_their_pixel() {
+        let mut picture = picture(3, 1.5);
+        for pixel in &mut picture {
+            let whole = of_pixel(pixel);
+            *pixel = Default::default();
+            pixel[2] = Moments { count: 4, ..whole };
+        }
+        let around = moments_around(&picture, 3, 1, 1);
+        // Of twelve, five are bright, and two are of pixels that are half bright.
+        assert!((around.mean.x - 0.5).abs() < 1e-6, "{around:?}");
+        assert!((around.square - 0.5).abs() < 1e-6, "{around:?}");
+        let alone = moments_around(&picture[1..2], 1, 0, 0);
+        assert_eq!(alone.mean, of_pixel(&picture[1]).mean);
+    }
 }

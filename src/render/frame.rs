@@ -8,7 +8,7 @@ use super::half_buffer_error::HalfBufferError;
 use super::held_out::{ErrorEstimator, PixelSamples};
 use super::observer::{NoObserver, RenderObserver};
 use super::picture::Picture;
-use super::sampler::{Moments, Sampler};
+use super::sampler::Sampler;
 use super::{PixelSampling, RenderSettings, Renderer};
 use crate::camera::Camera;
 use crate::film::Film;
@@ -51,10 +51,12 @@ pub fn tile_count(settings: &RenderSettings) -> u64 {
 
 /// Lower and upper bound of the bytes of memory that a frame takes while it is rendered and encoded.
 pub fn frame_memory(settings: &RenderSettings) -> [u64; 2] {
-    // Per point: moments and numbers of samples; of two half buffers also image, difference and expected errors. The
-    // allocator returns less memory of small frames.
-    let bytes = if settings.has_half_buffers() {
-        [80, 200]
+    // Per point: means and numbers of samples; of two half buffers also image, difference and expected errors; of
+    // adaptive samples the moments of quadrants. The allocator returns less memory of small frames.
+    let bytes = if settings.is_adaptive() {
+        [140, 320]
+    } else if settings.has_half_buffers() {
+        [60, 200]
     } else {
         [20, 100]
     };
@@ -136,19 +138,27 @@ impl Renderer<'_> {
             let of_halves = HalfBufferError::of(&picture).map(|error| error.estimate().interval());
             let singles = survey.error_of_singles(&samples.counts);
             let is_first = singles > 0.0 && of_expected.is_none();
-            if !is_first {
-                // One decision for all pixels, on which a single pixel has next to no influence.
-                let of_halves = of_halves.map_or(0.0, |[_, upper]| upper);
-                let error = of_halves + of_expected.unwrap_or(0.0) * singles;
-                if error > aim
-                    && let Some(next) =
-                        survey.next_counts(&samples.counts, aim / error, sampler.most())
-                {
-                    samples.refine(grid, sampler, |index| next[index], observer);
-                    continue;
+            let of_halves = of_halves.map_or(0.0, |[_, upper]| upper);
+            let known = of_halves + of_expected.unwrap_or(0.0) * singles;
+            // One decision for all pixels, on which a single pixel has next to no influence.
+            if !is_first
+                && known > aim
+                && let Some(next) = survey.next_counts(&samples.counts, aim / known, sampler.most())
+            {
+                samples.refine(grid, sampler, |index| next[index], observer);
+                continue;
+            }
+            let mut expected_errors = survey.expected_errors(&samples.counts);
+            if singles > 0.0 {
+                // Those around a single sample do not know that it hit something small; its own contrast tells.
+                let halves = samples.counts.chunks_exact(2);
+                let expected = expected_errors.iter_mut().zip(halves);
+                for ((expected, halves), contrast) in expected.zip(picture.contrasts()) {
+                    if halves[1] == 0 {
+                        *expected = expected.max(contrast);
+                    }
                 }
             }
-            let expected_errors = survey.expected_errors(&samples.counts);
             let error = self.error(samples, &picture, expected_errors, sampler, estimates);
             let [_, upper] = error.whole.interval();
             estimates += 1;
@@ -158,7 +168,8 @@ impl Renderer<'_> {
             if is_first {
                 of_expected = Some(upper / singles);
             } else {
-                aim *= (AIM * target / upper).min(0.9);
+                // What half buffers and single samples do not tell is left in proportion.
+                aim = known.min(aim) * (AIM * target / upper).min(0.9);
             }
         }
     }
@@ -183,7 +194,8 @@ impl Renderer<'_> {
                 true => PixelSamples::Listed(&samples.counts),
                 false => PixelSamples::Even(sampler.half_buffers as u32 * sampler.first),
             },
-            is_biased: has_fixed_positions || !self.scene().textures().is_empty(),
+            has_fixed_positions,
+            has_textures: !self.scene().textures().is_empty(),
         };
         let (error, work) = estimator.estimate(&sampler.of_whole_pixels(), round);
         samples.rays += work.query_state.rays;
@@ -194,20 +206,18 @@ impl Renderer<'_> {
     /// The picture of all samples so far.
     fn picture(&self, samples: &SampleAccumulator) -> Picture {
         let resolve = |points: Vec<Vec3>| resolve_pixels(&self.settings, points);
-        let SampleAccumulator {
-            moments, counts, ..
-        } = samples;
-        let halves = || moments.chunks_exact(2).zip(counts.chunks_exact(2));
+        let SampleAccumulator { means, counts, .. } = samples;
+        let halves = || means.chunks_exact(2).zip(counts.chunks_exact(2));
         let (film, half_difference): (Vec<Vec3>, _) = match self.settings.has_half_buffers() {
-            false => (moments.iter().map(|of_point| of_point.mean).collect(), None),
+            false => (means.clone(), None),
             true => {
-                let value = |(halves, counts): (&[Moments], &[u32])| match counts[1] {
-                    0 => halves[0].mean,
-                    _ => 0.5 * (halves[0].mean + halves[1].mean),
+                let value = |(halves, counts): (&[Vec3], &[u32])| match counts[1] {
+                    0 => halves[0],
+                    _ => 0.5 * (halves[0] + halves[1]),
                 };
-                let difference = |(halves, counts): (&[Moments], &[u32])| match counts[1] {
+                let difference = |(halves, counts): (&[Vec3], &[u32])| match counts[1] {
                     0 => Vec3::ZERO,
-                    _ => 0.5 * (halves[0].mean - halves[1].mean),
+                    _ => 0.5 * (halves[0] - halves[1]),
                 };
                 (
                     halves().map(value).collect(),

@@ -4,12 +4,16 @@
 //! its value c, whatever that comes from: edges, textures, highlights, mirrors or noise. Pixels are held out with known
 //! probabilities, high where error is likely, and each counts by the inverse of its own (Hansen and Hurwitz 1943, "On
 //! the Theory of Sampling from Finite Populations"; systematically, Madow 1949).
+//!
+//! Where half buffers know all but what filters of textures change on average, that alone is estimated, from two
+//! independent sets of samples that are shaded both unfiltered and filtered: the product of the differences is the
+//! square of the change, without the noise of edges.
 
 use super::block::Block;
 use super::error_estimate::{ErrorEstimate, FrameErrorEstimate};
 use super::half_buffer_error::HalfBufferError;
 use super::picture::Picture;
-use super::sampler::{SampleRun, Sampler, Sequence, Work};
+use super::sampler::{QuadrantSums, SampleRun, Sampler, Sequence, Work};
 use crate::metrics::{Estimate, mean};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -21,6 +25,10 @@ const WORST_BLOCKS: usize = 2;
 /// ... and the least number of samples of each estimate of their pixels: the largest of noisy errors is too large.
 const LEAST_SAMPLES_OF_WORST: u32 = 4;
 
+/// The least number of samples of each estimate of what filters of textures change: the product of the noise of two is
+/// larger than the square of the change where they are few.
+const LEAST_SAMPLES_OF_FILTER: u32 = 8;
+
 /// The part of a picture's samples that held-out pixels take beside, ...
 const FRACTION: f64 = 0.012;
 
@@ -28,7 +36,7 @@ const FRACTION: f64 = 0.012;
 const LEAST_SAMPLES: f64 = 2048.0;
 
 /// The part of the held-out pixels that is taken from all with equal probabilities: error may be where none is expected.
-const EQUAL_PART: f64 = 0.1;
+const EQUAL_PART: f64 = 0.2;
 
 /// Pixels that are sampled together.
 const CHUNK: usize = 32;
@@ -39,9 +47,10 @@ pub(super) struct ErrorEstimator<'a> {
     /// The expected squared error of each pixel, relative to the square of the radiance; up to a factor.
     pub(super) expected_errors: Vec<f32>,
     pub(super) samples: PixelSamples<'a>,
-    /// Whether the mean of the samples may differ from the converged picture: they lie at fixed places, or filter
-    /// textures. Half buffers do not know that.
-    pub(super) is_biased: bool,
+    /// Whether samples lie at fixed places, so that their mean differs from that of the whole pixel.
+    pub(super) has_fixed_positions: bool,
+    /// Whether samples filter textures, so that their mean may differ from the unfiltered one.
+    pub(super) has_textures: bool,
 }
 
 /// How many samples the pixels of a picture have.
@@ -70,6 +79,16 @@ impl PixelSamples<'_> {
     }
 }
 
+/// What the half buffers of a pixel do not know of its error.
+#[derive(Clone, Copy, PartialEq)]
+enum Unknown {
+    Nothing,
+    /// What the filters of textures change on average.
+    Filter,
+    /// Its error, less what they know.
+    All,
+}
+
 /// A pixel that is held out.
 struct HeldOutPixel {
     pixel: usize,
@@ -81,6 +100,13 @@ struct HeldOutPixel {
     partner: Option<usize>,
 }
 
+/// What of a pixel's error two estimates, of these samples each, shall tell.
+struct Question {
+    pixel: usize,
+    samples: Range<u32>,
+    unknown: Unknown,
+}
+
 impl ErrorEstimator<'_> {
     /// The error against what `sampler` converges to, and the work. The `round` tells independent estimates of one frame
     /// apart.
@@ -89,16 +115,25 @@ impl ErrorEstimator<'_> {
         let held_out = self.hold_out(sampler, round);
         let worst_blocks = self.worst_blocks(half_buffers.as_ref());
         let mut pixels = Vec::new();
+        let all_of = |pixel: usize, count: u32| Question {
+            pixel,
+            samples: 0..count,
+            unknown: Unknown::All,
+        };
         for chosen in &held_out {
             let count = self.samples_of_estimate(chosen.pixel);
             let first = chosen.repeat * count;
-            pixels.push((chosen.pixel, first..first + count));
+            pixels.push(Question {
+                pixel: chosen.pixel,
+                samples: first..first + count,
+                unknown: self.unknown(chosen.pixel),
+            });
             let partner = chosen.partner;
-            pixels.extend(partner.map(|pixel| (pixel, 0..self.samples_of_estimate(pixel))));
+            pixels.extend(partner.map(|pixel| all_of(pixel, self.samples_of_estimate(pixel))));
         }
         pixels.extend(worst_blocks.iter().flat_map(Block::pixels).map(|pixel| {
-            let count = self.samples_of_estimate(pixel).max(LEAST_SAMPLES_OF_WORST);
-            (pixel, 0..count)
+            let count = self.samples_of_estimate(pixel);
+            all_of(pixel, count.max(LEAST_SAMPLES_OF_WORST))
         }));
         let (errors, work) = self.errors(&pixels, sampler, round);
         let mut errors = errors.into_iter();
@@ -110,9 +145,10 @@ impl ErrorEstimator<'_> {
         for chosen in &held_out {
             let [a, b] = next();
             // What half buffers know is no news.
-            let known = half_buffers
-                .as_ref()
-                .map_or(0.0, |half| half.square(chosen.pixel));
+            let known = match (&half_buffers, self.unknown(chosen.pixel)) {
+                (Some(half_buffers), Unknown::All) => half_buffers.square(chosen.pixel),
+                _ => 0.0,
+            };
             of_pixels.push((relative(chosen.pixel, [a, b]) - known) / chosen.density);
             if chosen.partner.is_some() {
                 let [c, d] = next();
@@ -155,15 +191,17 @@ impl ErrorEstimator<'_> {
     /// Chooses pixels for about the part of the samples that they may take.
     fn hold_out(&self, sampler: &Sampler, round: u32) -> Vec<HeldOutPixel> {
         let has_halves = self.picture.half_difference.is_some();
-        let knows_all = has_halves && !self.is_biased;
-        let is_known = |pixel: usize| knows_all && !self.samples.is_single(pixel);
+        let is_known = |pixel: usize| self.unknown(pixel) == Unknown::Nothing;
         let count = self.expected_errors.len();
+        // Of the least error for a given cost.
+        let weight =
+            |pixel: usize| f64::from(self.expected_errors[pixel]) / self.cost(pixel).sqrt();
         let (mut unknown, mut expected, mut samples) = (0, 0.0, 0.0);
-        for (pixel, &error) in self.expected_errors.iter().enumerate() {
+        for pixel in 0..count {
             samples += f64::from(self.samples.of(pixel));
             if !is_known(pixel) {
                 unknown += 1;
-                expected += f64::from(error);
+                expected += weight(pixel);
             }
         }
         if unknown == 0 {
@@ -174,17 +212,22 @@ impl ErrorEstimator<'_> {
             if is_known(pixel) {
                 0.0
             } else if expected.is_normal() {
-                let part = f64::from(self.expected_errors[pixel]) / expected * count as f64;
+                let part = weight(pixel) / expected * count as f64;
                 (1.0 - EQUAL_PART) * part + EQUAL_PART * of_all
             } else {
                 of_all
             }
         };
-        let of_choice =
-            |pixel: usize| density(pixel) * f64::from(2 * self.samples_of_estimate(pixel));
+        let of_choice = |pixel: usize| density(pixel) * self.cost(pixel);
+        // What filters change is shaded twice.
+        let pictures = match has_halves && self.has_textures {
+            true => 2.0,
+            false => 1.0,
+        };
         let partners = if has_halves { 1.0 } else { 2.0 };
         let per_choice = partners * (0..count).map(of_choice).sum::<f64>() / count as f64;
-        let choices = ((FRACTION * samples).max(LEAST_SAMPLES) / per_choice).ceil();
+        let samples = (FRACTION * samples).max(LEAST_SAMPLES) * pictures;
+        let choices = (samples / per_choice).ceil();
         let step = count as f64 / choices;
         let random = sampler.frame_sequence(round);
         let mut next = f64::from(random.sample_1d(0, 0)) * step;
@@ -228,34 +271,62 @@ impl ErrorEstimator<'_> {
         worst.into_iter().map(|(_, block)| block).collect()
     }
 
-    /// How many samples each of the two estimates of a pixel has: both together about as many as the pixel.
-    fn samples_of_estimate(&self, pixel: usize) -> u32 {
-        (self.samples.of(pixel) / 2).max(1)
+    /// How many samples it takes to hold out a pixel.
+    fn cost(&self, pixel: usize) -> f64 {
+        let runs = match self.unknown(pixel) {
+            Unknown::Filter => 4,
+            _ => 2,
+        };
+        f64::from(runs * self.samples_of_estimate(pixel))
     }
 
-    /// The errors of pixels by two independent estimates each, of these samples.
+    /// How many samples each of the two estimates of a pixel has: both together about as many as the pixel, or more.
+    fn samples_of_estimate(&self, pixel: usize) -> u32 {
+        let least = match self.unknown(pixel) {
+            Unknown::Filter => LEAST_SAMPLES_OF_FILTER,
+            _ => 1,
+        };
+        (self.samples.of(pixel) / 2).max(least)
+    }
+
+    /// Two independent estimates of what is unknown of the error of each pixel, not squared.
     fn errors(
         &self,
-        pixels: &[(usize, Range<u32>)],
+        pixels: &[Question],
         sampler: &Sampler,
         round: u32,
     ) -> (Vec<[DVec3; 2]>, Work) {
         let width = self.picture.width();
         let chunks = pixels.par_chunks(CHUNK).map(|pixels| {
-            let runs = pixels.iter().flat_map(|(pixel, samples)| {
-                [0, 1].map(|estimate| SampleRun {
-                    point: ((pixel % width) as u32, (pixel / width) as u32),
-                    sequence: Sequence::HeldOut { estimate, round },
-                    first: samples.start,
-                    end: samples.end,
-                })
+            let run = |of: &Question, estimate: u32, filtered_as: u32| SampleRun {
+                point: ((of.pixel % width) as u32, (of.pixel / width) as u32),
+                sequence: Sequence::HeldOut {
+                    estimate,
+                    round,
+                    filtered_as,
+                },
+                first: of.samples.start,
+                end: of.samples.end,
+            };
+            let runs = pixels.iter().flat_map(|of| {
+                let both = |filtered_as| [0, 1].map(|estimate| run(of, estimate, filtered_as));
+                // The same samples, unfiltered and filtered: what else is random cancels.
+                let filtered =
+                    (of.unknown == Unknown::Filter).then(|| both(self.samples.of(of.pixel) / 2));
+                both(0).into_iter().chain(filtered.into_iter().flatten())
             });
             let runs: Vec<SampleRun> = runs.collect();
             let mut work = Work::default();
-            let moments = sampler.moments(&runs, &mut work);
-            let estimates = pixels.iter().zip(moments.chunks_exact(2));
-            let errors = estimates.map(|((pixel, _), estimates)| {
-                [0, 1].map(|i| self.picture.value(*pixel) - estimates[i].mean.as_dvec3())
+            let sums = sampler.sums(&runs, &mut work);
+            let mut means = sums.iter().map(QuadrantSums::mean);
+            let mut next = || [0, 1].map(|_| means.next().expect("one for each run"));
+            let errors = pixels.iter().map(|of| {
+                let unfiltered = next();
+                let picture = match of.unknown {
+                    Unknown::Filter => next(),
+                    _ => [self.picture.value(of.pixel); 2],
+                };
+                [0, 1].map(|i| picture[i] - unfiltered[i])
             });
             (errors.collect::<Vec<_>>(), work)
         });
@@ -268,6 +339,17 @@ impl ErrorEstimator<'_> {
             errors.extend(of_chunk);
         }
         (errors, all)
+    }
+
+    fn unknown(&self, pixel: usize) -> Unknown {
+        let has_halves = self.picture.half_difference.is_some();
+        if !has_halves || self.has_fixed_positions || self.samples.is_single(pixel) {
+            Unknown::All
+        } else if self.has_textures {
+            Unknown::Filter
+        } else {
+            Unknown::Nothing
+        }
     }
 
     fn block(&self, pixel: usize) -> Block {

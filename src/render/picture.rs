@@ -83,7 +83,7 @@ impl Picture {
             ];
             let squares = neighbours.map(|other| other.distance_squared(pixel));
             let mean = 0.25 * neighbours.into_iter().sum::<Vec3>();
-            squares.into_iter().sum::<f32>() / (mean.length_squared() / 3.0 + floor)
+            0.25 * squares.into_iter().sum::<f32>() / (mean.length_squared() / 3.0 + floor)
         };
         let mut contrasts = vec![0.0; self.film.pixels().len()];
         let rows = contrasts.par_chunks_exact_mut(width).enumerate();

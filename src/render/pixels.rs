@@ -1,6 +1,6 @@
 //! Single pixels of a frame.
 
-use super::sampler::{Moments, SampleRun, Sampler, Work};
+use super::sampler::{QuadrantSums, SampleRun, Sampler, Work};
 use super::{PixelSampling, Renderer};
 use crate::camera::Camera;
 use glam::Vec3;
@@ -35,16 +35,16 @@ impl Renderer<'_> {
                     end: sampler.first,
                 })
             });
-            let moments = sampler.moments(&runs.collect::<Vec<_>>(), &mut Work::default());
-            let of_pixel = |moments: &[Moments]| {
+            let sums = sampler.sums(&runs.collect::<Vec<_>>(), &mut Work::default());
+            let of_pixel = |sums: &[QuadrantSums]| {
                 let half = |half: usize| {
-                    let of_half = moments.iter().skip(half).step_by(sampler.half_buffers);
-                    of_half.map(|moments| moments.mean).sum::<Vec3>() / corners.len() as f32
+                    let of_half = sums.iter().skip(half).step_by(sampler.half_buffers);
+                    of_half.map(|sums| sums.mean().as_vec3()).sum::<Vec3>() / corners.len() as f32
                 };
                 [half(0), half(sampler.half_buffers - 1)]
             };
-            let moments = moments.chunks(corners.len() * sampler.half_buffers);
-            moments.map(of_pixel).collect()
+            let sums = sums.chunks(corners.len() * sampler.half_buffers);
+            sums.map(of_pixel).collect()
         };
         pixels.par_chunks(CHUNK).flat_map_iter(of_chunk).collect()
     }

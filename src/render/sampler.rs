@@ -35,17 +35,25 @@ pub(super) enum Sequence {
         estimate: u32,
         /// How often pixels were held out before.
         round: u32,
+        /// Textures are filtered as by a half buffer of so many samples; 0 is not at all.
+        filtered_as: u32,
     },
 }
 
-/// The moments of a run.
+/// The moments of samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Moments {
     /// The mean radiance.
     pub(super) mean: Vec3,
     /// The mean over samples and channels of the square of the radiance.
     pub(super) square: f32,
+    /// How many samples there are.
+    pub(super) count: u32,
 }
+
+/// The sums of a run's samples by quadrants of the pixel: upper left, upper right, lower left, lower right.
+#[derive(Clone, Copy, Default)]
+pub(super) struct QuadrantSums([Sums; 4]);
 
 impl Sequence {
     /// Which half buffer of a point the sequence is of.
@@ -58,29 +66,28 @@ impl Sequence {
 }
 
 impl Moments {
-    pub(super) fn plus(&self, other: &Moments) -> Moments {
-        Moments {
-            mean: self.mean + other.mean,
-            square: self.square + other.square,
+    /// Adds other samples.
+    pub(super) fn add(&mut self, other: &Moments) {
+        if other.count > 0 {
+            self.count += other.count;
+            let fraction = other.count as f32 / self.count as f32;
+            self.mean += fraction * (other.mean - self.mean);
+            self.square += fraction * (other.square - self.square);
         }
     }
+}
 
-    pub(super) fn scaled(&self, factor: f32) -> Moments {
-        Moments {
-            mean: factor * self.mean,
-            square: factor * self.square,
-        }
+impl QuadrantSums {
+    /// The mean radiance.
+    pub(super) fn mean(&self) -> DVec3 {
+        let count: u32 = self.0.iter().map(|sums| sums.count).sum();
+        let sum: DVec3 = self.0.iter().map(|sums| sums.radiance).sum();
+        sum / f64::from(count)
     }
 
-    /// The variance of the samples: the mean over channels.
-    pub(super) fn variance(&self) -> f32 {
-        (self.square - self.mean.length_squared() / 3.0).max(0.0)
-    }
-
-    /// Moves these towards others by a fraction.
-    pub(super) fn blend(&mut self, other: &Moments, fraction: f32) {
-        self.mean += fraction * (other.mean - self.mean);
-        self.square += fraction * (other.square - self.square);
+    /// The moments of each quadrant.
+    pub(super) fn moments(&self) -> [Moments; 4] {
+        self.0.map(|sums| sums.moments())
     }
 }
 
@@ -100,6 +107,7 @@ pub(super) struct Sampler<'a> {
     pub(super) half_buffers: usize,
     seed: u32,
     frame: u32,
+    pub(super) is_adaptive: bool,
 }
 
 /// Where a camera sample lies, from the point's upper left corner.
@@ -145,6 +153,7 @@ impl<'a> Sampler<'a> {
             half_buffers,
             seed: settings.seed,
             frame: if settings.lock_seed { 0 } else { frame },
+            is_adaptive: settings.is_adaptive(),
         }
     }
 
@@ -180,10 +189,10 @@ impl<'a> Sampler<'a> {
         (samples as u32).max(self.first)
     }
 
-    /// The moments of each run, which has at least one sample.
-    pub(super) fn moments(&self, runs: &[SampleRun], work: &mut Work) -> Vec<Moments> {
+    /// The sums of each run, which has at least one sample.
+    pub(super) fn sums(&self, runs: &[SampleRun], work: &mut Work) -> Vec<QuadrantSums> {
         // The sum of a million equal numbers is wrong in single precision.
-        let mut sums = vec![Sums::default(); runs.len()];
+        let mut sums = vec![QuadrantSums::default(); runs.len()];
         let mut batch = Batch::default();
         for (number, run) in runs.iter().enumerate() {
             let (x, y) = run.point;
@@ -192,19 +201,18 @@ impl<'a> Sampler<'a> {
             let sequence = match run.sequence {
                 Sequence::Whole => sequence,
                 Sequence::Half(half) => sequence.stream(half),
-                Sequence::HeldOut { estimate, round } => sequence.stream(2 + 2 * round + estimate),
+                Sequence::HeldOut {
+                    estimate, round, ..
+                } => sequence.stream(2 + 2 * round + estimate),
             };
-            let footprint = self.footprint(run);
             for index in run.first..run.end {
-                let film = match self.position {
-                    Position::Corner => corner,
-                    Position::Center => corner + 0.5,
-                    Position::Spread => {
-                        let [u, v] = sequence.sample_2d(index, 0);
-                        corner + DVec2::new(u.into(), v.into())
-                    }
+                let [u, v] = match self.position {
+                    Position::Corner => [0.0, 0.0],
+                    Position::Center => [0.5, 0.5],
+                    Position::Spread => sequence.sample_2d(index, 0),
                 };
-                if let Some(Footprint { width, moved }) = footprint {
+                let film = corner + DVec2::new(u.into(), v.into());
+                if let Some(Footprint { width, moved }) = self.footprint(run, index) {
                     let middle = film.lerp(corner + 0.5, moved);
                     let differential = self.rays.differential(film, middle, width);
                     batch.differentials.push(differential);
@@ -215,37 +223,40 @@ impl<'a> Sampler<'a> {
                     sequence,
                     index,
                 });
-                batch.runs.push(number);
+                let quadrant = usize::from(u >= 0.5) + 2 * usize::from(v >= 0.5);
+                batch.runs.push((number, quadrant));
                 if batch.samples.len() == BATCH {
                     self.trace(&mut batch, work, &mut sums);
                 }
             }
         }
         self.trace(&mut batch, work, &mut sums);
-        let moments = |(run, sums): (&SampleRun, Sums)| {
-            let count = f64::from(run.end - run.first);
-            Moments {
-                mean: (sums.radiance / count).as_vec3(),
-                square: (sums.square / (3.0 * count)) as f32,
-            }
-        };
-        runs.iter().zip(sums).map(moments).collect()
+        sums
     }
 
-    /// Over what each sample of a run filters textures; none in a scene without textures.
+    /// Over what a sample of a run filters textures; none in a scene without textures.
     ///
     /// The squares of all samples of a pixel cover it twice, tuned for the least error: their width falls to 0 as the
     /// number of samples grows. They are moved so that the positions that they cover have the variance of those of the
     /// pixel: it would be blurred otherwise. What the converged picture is estimated from is not filtered.
-    fn footprint(&self, run: &SampleRun) -> Option<Footprint> {
+    fn footprint(&self, run: &SampleRun, index: u32) -> Option<Footprint> {
         if self.integrator.scene().textures().is_empty() {
             return None;
         }
+        // The numbers of adaptive samples double from pass to pass.
+        let half = |index: u32, end: u32| {
+            let end = match self.is_adaptive {
+                true => (index + 1).next_power_of_two(),
+                false => end,
+            };
+            1.0 / f64::from(end)
+        };
         let area = match (run.sequence, self.position) {
-            (Sequence::HeldOut { .. }, _) => 0.0,
+            (Sequence::HeldOut { filtered_as: 0, .. }, _) => 0.0,
+            (Sequence::HeldOut { filtered_as, .. }, _) => half(index % filtered_as, filtered_as),
             (_, Position::Center | Position::Corner) => 1.0,
             (Sequence::Whole, Position::Spread) => 2.0 / f64::from(run.end),
-            (Sequence::Half(_), Position::Spread) => 1.0 / f64::from(run.end),
+            (Sequence::Half(_), Position::Spread) => half(index, run.end),
         };
         let area = area.min(1.0);
         Some(Footprint {
@@ -258,17 +269,19 @@ impl<'a> Sampler<'a> {
     }
 
     /// Adds the radiance of up to [`BATCH`] samples to the sums that they belong to, and clears the batch.
-    fn trace(&self, batch: &mut Batch, work: &mut Work, sums: &mut [Sums]) {
+    fn trace(&self, batch: &mut Batch, work: &mut Work, sums: &mut [QuadrantSums]) {
         let mut radiance = [Vec3::ZERO; BATCH];
         let radiance = &mut radiance[..batch.samples.len()];
         let query_state = &mut work.query_state;
         self.integrator
             .radiance(&batch.samples, &batch.differentials, query_state, radiance);
-        for (run, radiance) in batch.runs.iter().zip(radiance) {
+        for (&(run, quadrant), radiance) in batch.runs.iter().zip(radiance) {
+            let sums = &mut sums[run].0[quadrant];
+            sums.count += 1;
             if radiance.is_finite() {
                 let radiance = radiance.as_dvec3();
-                sums[*run].radiance += radiance;
-                sums[*run].square += radiance.length_squared();
+                sums.radiance += radiance;
+                sums.square += radiance.length_squared();
             } else {
                 work.non_finite += 1;
             }
@@ -294,14 +307,27 @@ struct Batch {
     samples: Vec<CameraSample>,
     /// Empty without textures.
     differentials: Vec<RayDifferential>,
-    runs: Vec<usize>,
+    /// ... and the quadrants that they lie in.
+    runs: Vec<(usize, usize)>,
 }
 
-/// The sums of a run's samples.
+/// The sums of samples.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     radiance: DVec3,
     square: f64,
+    count: u32,
+}
+
+impl Sums {
+    fn moments(&self) -> Moments {
+        let count = f64::from(self.count.max(1));
+        Moments {
+            mean: (self.radiance / count).as_vec3(),
+            square: (self.square / (3.0 * count)) as f32,
+            count: self.count,
+        }
+    }
 }
 
 /// Scratch space and counters of a thread that renders a tile.

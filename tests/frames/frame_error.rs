@@ -18,12 +18,26 @@ static ROOM: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
     (shipped_scene("test3.ron"), camera)
 });
 
+/// Textures of fine detail, mirrors, spheres and models.
+static GALLERY: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
+    let camera = shipped_path("gallery.ron").camera(60);
+    (shipped_scene("gallery.ron"), camera)
+});
+
 fn frame(settings: &RenderSettings, seed: u32) -> RenderedFrame {
+    frame_of(&ROOM, settings, seed)
+}
+
+fn frame_of(
+    (scene, camera): &(Scene, Camera),
+    settings: &RenderSettings,
+    seed: u32,
+) -> RenderedFrame {
     let settings = RenderSettings {
         seed,
         ..settings.clone()
     };
-    renderer(&ROOM.0, &settings).render_frame(&ROOM.1, 0)
+    renderer(scene, &settings).render_frame(camera, 0)
 }
 
 /// The mean of (x - r)^2 / (m^2 + (white / 10)^2), where m is the mean of the neighbouring pixels.
@@ -49,35 +63,38 @@ fn rel_mse(film: &Film, reference: &Film, white: f64) -> f64 {
 /// are within theirs in less than one of 500 cases. The truth is the converged picture, whatever the frame's samples.
 #[test]
 fn intervals_hold_the_true_error() {
+    // Initialised first: their initialisers need the threads that would wait for them below.
+    LazyLock::force(&ROOM);
+    LazyLock::force(&GALLERY);
     use PixelSampling::{Adaptive, Center, Corners, Spread};
     let noisy = || monte_carlo(4, &[scaled(4, 4, 16)]);
     let cases = [
-        (ray_tracing(), Adaptive(0.003)),
-        (noisy(), Center),
-        (ray_tracing(), Center),
-        (ray_tracing(), Spread(1)),
-        (ray_tracing(), Spread(4)),
-        (ray_tracing(), Spread(16)),
-        (ray_tracing(), Corners),
-        (noisy(), Corners),
-        (noisy(), Spread(4)),
-        (noisy(), Adaptive(0.01)),
+        (&ROOM, ray_tracing(), Adaptive(0.003)),
+        (&GALLERY, ray_tracing(), Adaptive(0.01)),
+        (&ROOM, noisy(), Center),
+        (&ROOM, ray_tracing(), Center),
+        (&ROOM, ray_tracing(), Spread(1)),
+        (&GALLERY, ray_tracing(), Spread(4)),
+        (&ROOM, ray_tracing(), Spread(4)),
+        (&ROOM, ray_tracing(), Spread(16)),
+        (&ROOM, ray_tracing(), Corners),
+        (&ROOM, noisy(), Corners),
+        (&ROOM, noisy(), Spread(4)),
+        (&ROOM, noisy(), Adaptive(0.01)),
     ];
-    for (integrator, sampling) in &cases[..scaled(1, 4, cases.len())] {
+    for (view, integrator, sampling) in &cases[..scaled(2, 6, cases.len())] {
         let settings = RenderSettings {
             display_white: 0.35,
             sampling: *sampling,
             ..settings(integrator.clone(), SIZE[0], SIZE[1])
         };
-        let reference = frame(
-            &RenderSettings {
-                sampling: Spread(scaled(1024, 1024, 4096)),
-                ..settings.clone()
-            },
-            1_000_000,
-        );
+        let reference = RenderSettings {
+            sampling: Spread(scaled(1024, 1024, 4096)),
+            ..settings.clone()
+        };
+        let reference = frame_of(view, &reference, 1_000_000);
         let runs = (0..200).into_par_iter().map(|seed| {
-            let rendered = frame(&settings, seed);
+            let rendered = frame_of(view, &settings, seed);
             let true_error = rel_mse(&rendered.film, &reference.film, 0.35);
             let error = rendered.error.whole;
             let [low, high] = error.interval();
@@ -90,8 +107,11 @@ fn intervals_hold_the_true_error() {
         assert!((180..=198).contains(&within), "{case}: {within} of 200");
         let mean = |of: fn(&(bool, f64, f64)) -> f64| runs.iter().map(of).sum::<f64>() / 200.0;
         let (estimated, measured) = (mean(|run| run.1), mean(|run| run.2));
+        // A few held-out pixels tell what filters of textures change: an estimate that ends a frame is more often low.
+        let has_textures = !view.0.textures().is_empty();
+        let most = if has_textures { 0.2 } else { 0.08 };
         assert!(
-            (estimated / measured - 1.0).abs() < 0.08,
+            (estimated / measured - 1.0).abs() < most,
             "{case}: {estimated} {measured}"
         );
         let of_reference = reference.error.whole.rel_mse;
@@ -142,7 +162,7 @@ fn the_error_of_an_edge_is_the_known_one() {
                 "{sampling:?} {of}: {estimate:?} {expected}"
             );
             assert!(
-                estimate.error < 0.05 * expected,
+                estimate.error < 0.06 * expected,
                 "{sampling:?} {of}: {estimate:?}"
             );
         }
@@ -164,7 +184,7 @@ fn frames_of_a_target_error_reach_it_without_bias() {
             target_error: Some(target),
             ..plain.clone()
         };
-        let rendered: Vec<RenderedFrame> = (0..32).map(|seed| frame(&adaptive, seed)).collect();
+        let rendered: Vec<RenderedFrame> = (0..64).map(|seed| frame(&adaptive, seed)).collect();
         for rendered in &rendered {
             let error = rendered.error.whole;
             assert!(error.interval()[1] <= target, "{error:?}");
@@ -182,10 +202,10 @@ fn frames_of_a_target_error_reach_it_without_bias() {
             sampling: PixelSampling::Spread(256),
             ..plain
         };
-        let reference = runs(&ROOM.0, &ROOM.1, &reference, 1_000_000..1_000_032);
-        let agreement = Agreement::of(&estimates(&adaptive), &estimates(&reference), 31, 0.0);
+        let reference = runs(&ROOM.0, &ROOM.1, &reference, 1_000_000..1_000_064);
+        let agreement = Agreement::of(&estimates(&adaptive), &estimates(&reference), 63, 0.0);
         assert!(agreement.holds(), "{agreement:?}");
-        // 1.07 for 31 degrees of freedom, with a standard deviation of 0.06 for 768 pixels.
+        // 1.03 for 63 degrees of freedom, with a standard deviation of 0.05 for 768 pixels.
         assert!((0.8..1.4).contains(&agreement.mean_square), "{agreement:?}");
     }
 }

@@ -4,6 +4,7 @@
 use super::accumulator::SampleAccumulator;
 use super::sampler::Moments;
 use crate::metrics::RADIANCE_FLOOR;
+use glam::Vec4;
 use rayon::prelude::*;
 
 /// Lower bound of a variance, as a fraction of the mean variance: a few samples may all have missed what makes a region
@@ -47,10 +48,10 @@ impl Survey {
             quadrants, counts, ..
         } = samples;
         let floor = (RADIANCE_FLOOR * display_white).powi(2);
+        let filled: Vec<[Vec4; 4]> = quadrants.par_iter().map(filled).collect();
         let variance = |row: usize, column: usize| {
-            let Moments { mean, square, .. } = moments_around(quadrants, width, row, column);
-            let square_of_mean = mean.length_squared() / 3.0;
-            (square - square_of_mean).max(0.0) / (square_of_mean + floor)
+            let [variance, square_of_mean] = variance_around(&filled, width, row, column);
+            variance / (square_of_mean + floor)
         };
         let mut variances = vec![0.0; quadrants.len()];
         let rows = variances.par_chunks_exact_mut(width).enumerate();
@@ -172,39 +173,52 @@ impl Survey {
     }
 }
 
-/// The mean of the moments of the up to twelve quadrants around a pixel; of the pixel itself where it has no neighbours.
-fn moments_around(quadrants: &[[Moments; 4]], width: usize, row: usize, column: usize) -> Moments {
-    let mut around = Moments::default();
-    // Each counts as one sample.
-    let mut add = |moments: &Moments| {
-        around.add(&Moments {
-            count: 1,
-            ..*moments
-        })
-    };
-    for near_row in row.saturating_sub(1)..(row + 2).min(quadrants.len() / width) {
-        for near_column in column.saturating_sub(1)..(column + 2).min(width) {
-            if (near_row, near_column) == (row, column) {
-                continue;
-            }
-            let pixel = &quadrants[near_row * width + near_column];
-            for (quadrant, moments) in pixel.iter().enumerate() {
-                let is_lower = quadrant / 2 == 1;
-                let is_right = quadrant % 2 == 1;
-                let faces = (near_row == row || is_lower == (near_row < row))
-                    && (near_column == column || is_right == (near_column < column));
-                match (faces, moments.count) {
-                    (false, _) => {}
-                    (true, 0) => add(&of_pixel(pixel)),
-                    (true, _) => add(moments),
-                }
-            }
+/// The quadrants around a pixel that face it: columns and rows to their pixel, and which quadrant of that it is.
+const RING: [(isize, isize, usize); 12] = [
+    (-1, -1, 3),
+    (0, -1, 2),
+    (0, -1, 3),
+    (1, -1, 2),
+    (-1, 0, 1),
+    (-1, 0, 3),
+    (1, 0, 0),
+    (1, 0, 2),
+    (-1, 1, 1),
+    (0, 1, 0),
+    (0, 1, 1),
+    (1, 1, 0),
+];
+
+/// The mean radiance and square of each quadrant of a pixel; of the whole pixel in quadrants without samples.
+fn filled(quadrants: &[Moments; 4]) -> [Vec4; 4] {
+    let values = |moments: &Moments| moments.mean.extend(moments.square);
+    let whole = values(&of_pixel(quadrants));
+    [0, 1, 2, 3].map(|number| match quadrants[number].count {
+        0 => whole,
+        _ => values(&quadrants[number]),
+    })
+}
+
+/// The variance of the samples of the ring around a pixel, and the square of their mean, both the means over channels; of
+/// the pixel itself where it has no neighbours.
+fn variance_around(filled: &[[Vec4; 4]], width: usize, row: usize, column: usize) -> [f32; 2] {
+    let height = filled.len() / width;
+    let (mut sum, mut count) = (Vec4::ZERO, 0.0);
+    for (columns, rows, quadrant) in RING {
+        let near_row = row.wrapping_add_signed(rows);
+        let near_column = column.wrapping_add_signed(columns);
+        if near_row < height && near_column < width {
+            sum += filled[near_row * width + near_column][quadrant];
+            count += 1.0;
         }
     }
-    match around.count {
-        0 => of_pixel(&quadrants[row * width + column]),
-        _ => around,
+    if count == 0.0 {
+        sum = filled[row * width + column].iter().sum();
+        count = 4.0;
     }
+    let moments = sum / count;
+    let square_of_mean = moments.truncate().length_squared() / 3.0;
+    [(moments.w - square_of_mean).max(0.0), square_of_mean]
 }
 
 /// The moments of a whole pixel.
@@ -241,10 +255,8 @@ mod tests {
     #[test]
     fn an_edge_within_a_pixel_shows_around_that_pixel_alone() {
         let picture = picture(7, 3.5);
-        let variances = (0..7).map(|column| {
-            let Moments { mean, square, .. } = moments_around(&picture, 7, 1, column);
-            square - mean.length_squared() / 3.0
-        });
+        let filled: Vec<[Vec4; 4]> = picture.iter().map(filled).collect();
+        let variances = (0..7).map(|column| variance_around(&filled, 7, 1, column)[0]);
         let variances: Vec<f32> = variances.collect();
         // In column 3 the ring has 4 dark quadrants at the left, 4 bright ones at the right, and one of each kind in
         // each of the pixels above and below.
@@ -262,11 +274,13 @@ mod tests {
             *pixel = Default::default();
             pixel[2] = Moments { count: 4, ..whole };
         }
-        let around = moments_around(&picture, 3, 1, 1);
+        let filled: Vec<[Vec4; 4]> = picture.iter().map(filled).collect();
+        let [variance, square_of_mean] = variance_around(&filled, 3, 1, 1);
         // Of twelve, five are bright, and two are of pixels that are half bright.
-        assert!((around.mean.x - 0.5).abs() < 1e-6, "{around:?}");
-        assert!((around.square - 0.5).abs() < 1e-6, "{around:?}");
-        let alone = moments_around(&picture[1..2], 1, 0, 0);
-        assert_eq!(alone.mean, of_pixel(&picture[1]).mean);
+        assert!((square_of_mean - 0.25).abs() < 1e-6, "{square_of_mean}");
+        assert!((variance - 0.25).abs() < 1e-6, "{variance}");
+        // A pixel without neighbours.
+        let [variance, square_of_mean] = variance_around(&filled[1..2], 1, 0, 0);
+        assert_eq!([variance, square_of_mean], [0.25; 2]);
     }
 }

@@ -13,6 +13,7 @@ use super::{PixelSampling, RenderSettings, Renderer};
 use crate::camera::Camera;
 use crate::film::Film;
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// A rendered frame.
 #[derive(Debug)]
@@ -207,7 +208,10 @@ impl Renderer<'_> {
     fn picture(&self, samples: &SampleAccumulator) -> Picture {
         let resolve = |points: Vec<Vec3>| resolve_pixels(&self.settings, points);
         let SampleAccumulator { means, counts, .. } = samples;
-        let halves = || means.chunks_exact(2).zip(counts.chunks_exact(2));
+        let halves = || {
+            let means = means.par_chunks_exact(2);
+            means.zip(counts.par_chunks_exact(2))
+        };
         let (film, half_difference): (Vec<Vec3>, _) = match self.settings.has_half_buffers() {
             false => (means.clone(), None),
             true => {

@@ -20,6 +20,10 @@ impl<'a> HalfBufferError<'a> {
         let half_difference = picture.half_difference.as_ref()?;
         let differences = half_difference.pixels().par_iter().enumerate();
         let relative = differences.map(|(pixel, difference)| {
+            // Of a single sample, or where no error shows.
+            if *difference == Vec3::ZERO {
+                return Vec3::ZERO;
+            }
             let root = DVec3::from(picture.inverse_normaliser(pixel).to_array().map(f64::sqrt));
             (difference.as_dvec3() * root).as_vec3()
         });

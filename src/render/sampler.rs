@@ -68,7 +68,9 @@ impl Sequence {
 impl Moments {
     /// Adds other samples.
     pub(super) fn add(&mut self, other: &Moments) {
-        if other.count > 0 {
+        if self.count == 0 {
+            *self = *other;
+        } else if other.count > 0 {
             self.count += other.count;
             let fraction = other.count as f32 / self.count as f32;
             self.mean += fraction * (other.mean - self.mean);

@@ -59,8 +59,8 @@ pub(super) struct JobArguments {
     /// File format of the frames
     #[arg(long, value_enum, default_value = "png")]
     format: FormatArgument,
-    /// Also keep error_00000.exr beside each frame of the montecarlo modes: the estimated standard error of every
-    /// pixel, half the difference of its A and B half buffers, in linear light
+    /// Also keep error_00000.exr beside each frame: the estimated standard error of every pixel, in linear light. With
+    /// Monte Carlo noise it is half the difference of the pixel's A and B half buffers
     #[arg(long, value_enum, value_name = "LAYER")]
     aov: Option<AovArgument>,
     #[command(flatten)]

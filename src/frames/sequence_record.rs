@@ -65,11 +65,9 @@ impl SequenceRecord {
 
     /// The files of a frame, with the record by which it is verified.
     pub fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
+        let error_map = self.error_maps.then(|| rendered.standard_errors());
         let RenderedFrame {
-            mut film,
-            half_difference,
-            error,
-            ..
+            mut film, error, ..
         } = rendered;
         if self.format != FrameFormat::Exr {
             film.expose(self.exposure);
@@ -87,8 +85,7 @@ impl SequenceRecord {
             Ok(format.encode(&pixels, &record.to_text()?)?)
         };
         let image = encode(self.format, &film)?;
-        let wanted = half_difference.filter(|_| self.error_maps);
-        let error_map = wanted.map(|map| encode(FrameFormat::Exr, &magnitude(map)));
+        let error_map = error_map.map(|map| encode(FrameFormat::Exr, &map));
         Ok(EncodedFrame {
             image,
             error_map: error_map.transpose()?,
@@ -146,10 +143,3 @@ impl SequenceRecord {
 
 /// What stands between the record and its hash.
 const HASH_COMMENT: &str = "\n// blake3 of the lines above: ";
-
-fn magnitude(mut film: Film) -> Film {
-    for pixel in film.pixels_mut() {
-        *pixel = pixel.abs();
-    }
-    film
-}

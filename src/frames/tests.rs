@@ -40,6 +40,8 @@ fn rendered(light: f32) -> RenderedFrame {
     RenderedFrame {
         film: Film::from_pixels(4, 2, vec![Vec3::splat(light); 8]),
         half_difference: Some(Film::from_pixels(4, 2, vec![Vec3::splat(-0.1); 8])),
+        expected_errors: Vec::new(),
+        display_white: 1.0,
         error: FrameErrorEstimate {
             whole: ErrorEstimate {
                 rel_mse: 0.001,

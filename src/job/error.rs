@@ -41,12 +41,6 @@ pub enum JobError {
     /// A shared cache is named, but frames look nothing up.
     #[error("--gi-cache: add --gi cached")]
     UnusedCache,
-    /// Error maps are wanted of frames without noise.
-    #[error("--aov error: the frames have no Monte Carlo noise; {advice}")]
-    NoNoise {
-        /// What to do instead.
-        advice: &'static str,
-    },
     /// A budget and a target error both decide on samples.
     #[error(
         "--budget: cannot be combined with target_error, which the scene or the camera path sets"

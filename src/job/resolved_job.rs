@@ -76,13 +76,6 @@ impl Job {
             "choose a lower fps, or split the path",
         )?;
         let opened_cache = open_cache(&spec, folder, &inputs, &settings, options)?;
-        if spec.error_maps && !settings.has_half_buffers() {
-            let advice = match opened_cache {
-                Some(_) => "take more camera samples, or give --target-error",
-                None => "give --target-error, or choose another mode",
-            };
-            return Err(JobError::NoNoise { advice });
-        }
         Ok(Job {
             cache_identity: opened_cache.as_ref().map(OpenedCache::identity),
             exposure: given.exposure.unwrap_or(0.0),

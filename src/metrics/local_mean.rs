@@ -13,21 +13,32 @@ pub fn local_mean<T>(values: &[T], width: usize, index: usize, spacing: usize) -
 where
     T: Copy + Default + AddAssign + Div<f32, Output = T>,
 {
+    let mut sum = T::default();
+    let mut count = 0;
+    for value in neighbours(values, width, index, spacing) {
+        sum += value;
+        count += 1;
+    }
+    (count > 0).then(|| sum / count as f32)
+}
+
+/// The values that [`local_mean`] is the mean of.
+pub fn neighbours<T: Copy>(
+    values: &[T],
+    width: usize,
+    index: usize,
+    spacing: usize,
+) -> impl Iterator<Item = T> {
     let (x, y) = (index % width, index / width);
     let height = values.len() / width;
-    let near = |at: usize, size: usize| {
+    let near = move |at: usize, size: usize| {
         let offsets = [at.checked_sub(spacing), Some(at), Some(at + spacing)];
         offsets.into_iter().flatten().filter(move |c| *c < size)
     };
-    let mut sum = T::default();
-    let mut count = 0;
-    for row in near(y, height) {
-        for column in near(x, width).filter(|column| (*column, row) != (x, y)) {
-            sum += values[row * width + column];
-            count += 1;
-        }
-    }
-    (count > 0).then(|| sum / count as f32)
+    near(y, height).flat_map(move |row| {
+        let columns = near(x, width).filter(move |column| (*column, row) != (x, y));
+        columns.map(move |column| values[row * width + column])
+    })
 }
 
 /// What squared errors at a pixel are divided by: m^2 + (display white / 10)^2, where m is the [`local_mean`]. Where

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 pub(super) struct SampleAccumulator {
     /// The mean radiance of each point, half buffer by half buffer.
     pub(super) means: Vec<Vec3>,
-    /// How many samples each half buffer of a point has.
+    /// How many samples each point has, or each of its half buffers.
     pub(super) counts: Vec<u32>,
     /// The moments of the quadrants of each pixel, of both half buffers; empty unless samples are adaptive.
     pub(super) quadrants: Vec<[Moments; 4]>,
@@ -23,15 +23,15 @@ impl SampleAccumulator {
         let quadrants = if sampler.is_adaptive { grid.len() } else { 0 };
         SampleAccumulator {
             means: vec![Vec3::ZERO; grid.len() * sampler.half_buffers],
-            counts: vec![0; grid.len() * sampler.half_buffers],
+            counts: vec![0; grid.len()],
             quadrants: vec![Default::default(); quadrants],
             rays: 0,
             non_finite: 0,
         }
     }
 
-    /// Samples each half buffer of each point until it has as many samples as `wanted` gives for its index; tile by tile
-    /// in parallel. Once the observer stops, further tiles are not sampled.
+    /// Samples each half buffer of each point until it has as many samples as `wanted` gives for the point's index; tile
+    /// by tile in parallel. Once the observer stops, further tiles are not sampled.
     pub(super) fn refine(
         &mut self,
         grid: Grid,
@@ -41,10 +41,10 @@ impl SampleAccumulator {
     ) {
         let halves = sampler.half_buffers;
         let wanted = &wanted;
-        let per_row = grid.points_per_tile_row() * halves;
-        let means = self.means.par_chunks_mut(per_row);
+        let per_row = grid.points_per_tile_row();
+        let means = self.means.par_chunks_mut(per_row * halves);
         let points = means.zip(self.counts.par_chunks_mut(per_row));
-        let quadrants = self.quadrants.chunks_mut(grid.points_per_tile_row());
+        let quadrants = self.quadrants.chunks_mut(per_row);
         let mut quadrants: Vec<&mut [[Moments; 4]]> = quadrants.collect();
         quadrants.resize_with(points.len(), Default::default);
         let rows = points.zip(quadrants).enumerate();
@@ -55,18 +55,15 @@ impl SampleAccumulator {
                 let points = grid.tile_points(tile);
                 let mut runs = Vec::with_capacity(halves * points.len());
                 for point in points {
-                    for half in 0..halves {
-                        let index = grid.index(point) * halves + half;
-                        let (first, end) = (counts[index - row * per_row], wanted(index));
-                        if end > first && !is_stopped {
-                            let sequence = sampler.sequence(half);
-                            runs.push(SampleRun {
-                                point,
-                                sequence,
-                                first,
-                                end,
-                            });
-                        }
+                    let index = grid.index(point);
+                    let (first, end) = (counts[index - row * per_row], wanted(index));
+                    if end > first && !is_stopped {
+                        runs.extend((0..halves).map(|half| SampleRun {
+                            point,
+                            sequence: sampler.sequence(half),
+                            first,
+                            end,
+                        }));
                     }
                 }
                 let mut work = Work::default();
@@ -79,12 +76,12 @@ impl SampleAccumulator {
                 .iter()
                 .flat_map(|(runs, added, _)| runs.iter().zip(added))
             {
-                let point = grid.index(run.point) - row * grid.points_per_tile_row();
+                let point = grid.index(run.point) - row * per_row;
                 let index = point * halves + run.sequence.half();
                 let fraction = f64::from(run.end - run.first) / f64::from(run.end);
                 let mean = means[index].as_dvec3().lerp(added.mean(), fraction);
                 means[index] = mean.as_vec3();
-                counts[index] = run.end;
+                counts[point] = run.end;
                 if let Some(quadrants) = quadrants.get_mut(point) {
                     for (quadrant, added) in quadrants.iter_mut().zip(added.moments()) {
                         quadrant.add(&added);

@@ -15,6 +15,12 @@ pub struct ErrorEstimate {
 }
 
 impl ErrorEstimate {
+    /// No error.
+    pub(super) const NONE: ErrorEstimate = ErrorEstimate {
+        rel_mse: 0.0,
+        standard_error: 0.0,
+    };
+
     /// The 95 % confidence interval of the error. It reaches further up than down, by what that of the logarithm does in
     /// second order: estimates that are too low have standard errors that are too low.
     pub fn interval(&self) -> [f64; 2] {

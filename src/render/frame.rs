@@ -3,15 +3,15 @@
 use super::accumulator::SampleAccumulator;
 use super::adaptive::Survey;
 use super::error_estimate::FrameErrorEstimate;
+use super::error_estimator::{ErrorEstimator, PixelSamples};
 use super::grid::{Grid, average_corners};
-use super::half_buffer_error::HalfBufferError;
-use super::held_out::{ErrorEstimator, PixelSamples};
 use super::observer::{NoObserver, RenderObserver};
 use super::picture::Picture;
 use super::sampler::Sampler;
 use super::{PixelSampling, RenderSettings, Renderer};
 use crate::camera::Camera;
 use crate::film::Film;
+use crate::metrics::normaliser;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -23,6 +23,10 @@ pub struct RenderedFrame {
     /// Half the difference of the A/B half buffers: they are the image plus and minus this. Its square is an unbiased
     /// estimate of the variance of the pixel. None if the frame has no half buffers.
     pub half_difference: Option<Film>,
+    /// The expected squared error of each pixel, relative to its [`normaliser`], up to a common factor.
+    pub expected_errors: Vec<f32>,
+    /// The radiance that is displayed as white.
+    pub display_white: f32,
     /// Its error.
     pub error: FrameErrorEstimate,
     /// How many rays were traced.
@@ -43,6 +47,31 @@ impl RenderedFrame {
             None => [self.film.clone(), self.film.clone()],
         }
     }
+
+    /// The estimated standard error of each pixel: half the difference of the half buffers or, without, what is expected,
+    /// scaled so that it makes up the error of the frame.
+    pub fn standard_errors(&self) -> Film {
+        let (width, height) = (self.film.width(), self.film.height());
+        let errors = match &self.half_difference {
+            Some(half_difference) => half_difference.pixels().iter().map(|d| d.abs()).collect(),
+            None => {
+                let expected = self.expected_errors.iter().map(|&error| f64::from(error));
+                let mean = expected.sum::<f64>() / self.expected_errors.len() as f64;
+                let factor = if mean > 0.0 {
+                    self.error.whole.rel_mse / mean
+                } else {
+                    0.0
+                };
+                let error = |(index, expected): (usize, &f32)| {
+                    let pixels = self.film.pixels();
+                    let square = normaliser(pixels, width as usize, index, 1, self.display_white);
+                    (factor as f32 * expected * square).map(f32::sqrt)
+                };
+                self.expected_errors.iter().enumerate().map(error).collect()
+            }
+        };
+        Film::from_pixels(width, height, errors)
+    }
 }
 
 /// How many tiles a frame without adaptive samples reports to its observer.
@@ -56,7 +85,7 @@ pub fn frame_memory(settings: &RenderSettings) -> [u64; 2] {
     // adaptive samples the moments of quadrants. The allocator returns less memory of small frames.
     let bytes = if settings.is_adaptive() {
         [140, 320]
-    } else if settings.has_half_buffers() {
+    } else if settings.is_noisy() {
         [60, 200]
     } else {
         [20, 100]
@@ -83,26 +112,22 @@ impl Renderer<'_> {
         let mut samples = SampleAccumulator::new(grid, &sampler);
         let cache_error = self.cache_errors.get(frame as usize).copied();
         let target = self.settings.target_of_samples(cache_error);
-        // A pixel like those around it keeps a single sample, without another half buffer.
-        let has_single = target.is_some() && sampler.first == 1 && !self.settings.is_noisy();
-        let first = |index: usize| match has_single && index % 2 == 1 {
-            true => 0,
-            false => sampler.first,
-        };
-        samples.refine(grid, &sampler, first, observer);
-        let (picture, error) = match target {
+        samples.refine(grid, &sampler, |_| sampler.first, observer);
+        let (picture, expected_errors, error) = match target {
             Some(target) => self.refined(&mut samples, grid, &sampler, target, observer)?,
             None if observer.is_stopped() => return None,
             None => {
                 let picture = self.picture(&samples);
                 let expected_errors = picture.contrasts();
-                let error = self.error(&mut samples, &picture, expected_errors, &sampler, 0);
-                (picture, error)
+                let error = self.error(&mut samples, &picture, &expected_errors, &sampler, 0);
+                (picture, expected_errors, error)
             }
         };
         Some(RenderedFrame {
             film: picture.film,
             half_difference: picture.half_difference,
+            expected_errors,
+            display_white: self.settings.display_white,
             error: cache_error.map_or(error, |cache| error.plus_cache(cache)),
             rays: samples.rays,
             non_finite_samples: samples.non_finite,
@@ -118,60 +143,37 @@ impl Renderer<'_> {
         sampler: &Sampler,
         target: f64,
         observer: &dyn RenderObserver,
-    ) -> Option<(Picture, FrameErrorEstimate)> {
-        /// The part of the target that the upper bound of the error by half buffers shall take, with what single samples
-        /// are expected to add.
-        const AIM: f64 = 0.97;
-        /// How many estimates of the whole error may be above the target before the frame is given as it is.
-        const MOST_ESTIMATES: u32 = 6;
+    ) -> Option<(Picture, Vec<f32>, FrameErrorEstimate)> {
+        /// The part of the target that the upper bound of the error shall take.
+        const AIM: f64 = 0.9;
+        /// A pass that leaves more than this part of the error that was there before has stalled, ...
+        const STALLED: f64 = 0.9;
+        /// ... and a frame is given as it is after so many of them: more samples of the same kind do not help it.
+        const MOST_STALLED: u32 = 3;
         let settings = &self.settings;
         let (width, display_white) = (settings.width as usize, settings.display_white);
-        let mut aim = AIM * target;
-        let mut estimates = 0;
-        // The error of single samples, over what their contrast makes expected: only held-out pixels know it.
-        let mut of_expected = None;
+        let (mut pass, mut before, mut stalled) = (0, f64::INFINITY, 0);
         loop {
             if observer.is_stopped() {
                 return None;
             }
             let survey = Survey::new(samples, width, display_white, settings.is_noisy());
             let picture = self.picture(samples);
-            let of_halves = HalfBufferError::of(&picture).map(|error| error.estimate().interval());
-            let singles = survey.error_of_singles(&samples.counts);
-            let is_first = singles > 0.0 && of_expected.is_none();
-            let of_halves = of_halves.map_or(0.0, |[_, upper]| upper);
-            let known = of_halves + of_expected.unwrap_or(0.0) * singles;
-            // One decision for all pixels, on which a single pixel has next to no influence.
-            if !is_first
-                && known > aim
-                && let Some(next) = survey.next_counts(&samples.counts, aim / known, sampler.most())
-            {
-                samples.refine(grid, sampler, |index| next[index], observer);
-                continue;
-            }
-            let mut expected_errors = survey.expected_errors(&samples.counts);
-            if singles > 0.0 {
-                // Those around a single sample do not know that it hit something small; its own contrast tells.
-                let halves = samples.counts.chunks_exact(2);
-                let expected = expected_errors.iter_mut().zip(halves);
-                for ((expected, halves), contrast) in expected.zip(picture.contrasts()) {
-                    if halves[1] == 0 {
-                        *expected = expected.max(contrast);
-                    }
-                }
-            }
-            let error = self.error(samples, &picture, expected_errors, sampler, estimates);
+            let expected_errors = survey.expected_errors(&samples.counts, &picture.contrasts());
+            let error = self.error(samples, &picture, &expected_errors, sampler, pass);
             let [_, upper] = error.whole.interval();
-            estimates += 1;
-            if upper <= target || estimates == MOST_ESTIMATES {
-                return Some((picture, error));
+            stalled += u32::from(upper > STALLED * before);
+            before = upper;
+            if upper <= target || stalled == MOST_STALLED {
+                return Some((picture, expected_errors, error));
             }
-            if is_first {
-                of_expected = Some(upper / singles);
-            } else {
-                // What half buffers and single samples do not tell is left in proportion.
-                aim = known.min(aim) * (AIM * target / upper).min(0.9);
+            // One decision for all pixels, on which a single pixel has next to no influence.
+            let fraction = AIM * target / upper;
+            match survey.next_counts(&samples.counts, fraction, sampler.most()) {
+                Some(next) => samples.refine(grid, sampler, |index| next[index], observer),
+                None => return Some((picture, expected_errors, error)),
             }
+            pass += 1;
         }
     }
 
@@ -180,7 +182,7 @@ impl Renderer<'_> {
         &self,
         samples: &mut SampleAccumulator,
         picture: &Picture,
-        expected_errors: Vec<f32>,
+        expected_errors: &[f32],
         sampler: &Sampler,
         round: u32,
     ) -> FrameErrorEstimate {
@@ -193,7 +195,7 @@ impl Renderer<'_> {
             expected_errors,
             samples: match self.settings.is_adaptive() {
                 true => PixelSamples::Listed(&samples.counts),
-                false => PixelSamples::Even(sampler.half_buffers as u32 * sampler.first),
+                false => PixelSamples::Even(sampler.first),
             },
             has_fixed_positions,
             has_textures: !self.scene().textures().is_empty(),
@@ -207,26 +209,14 @@ impl Renderer<'_> {
     /// The picture of all samples so far.
     fn picture(&self, samples: &SampleAccumulator) -> Picture {
         let resolve = |points: Vec<Vec3>| resolve_pixels(&self.settings, points);
-        let SampleAccumulator { means, counts, .. } = samples;
-        let halves = || {
-            let means = means.par_chunks_exact(2);
-            means.zip(counts.par_chunks_exact(2))
-        };
-        let (film, half_difference): (Vec<Vec3>, _) = match self.settings.has_half_buffers() {
+        let means = &samples.means;
+        let (film, half_difference): (Vec<Vec3>, _) = match self.settings.is_noisy() {
             false => (means.clone(), None),
             true => {
-                let value = |(halves, counts): (&[Vec3], &[u32])| match counts[1] {
-                    0 => halves[0],
-                    _ => 0.5 * (halves[0] + halves[1]),
-                };
-                let difference = |(halves, counts): (&[Vec3], &[u32])| match counts[1] {
-                    0 => Vec3::ZERO,
-                    _ => 0.5 * (halves[0] - halves[1]),
-                };
-                (
-                    halves().map(value).collect(),
-                    Some(halves().map(difference).collect()),
-                )
+                let halves = || means.par_chunks_exact(2);
+                let film = halves().map(|halves| 0.5 * (halves[0] + halves[1]));
+                let difference = halves().map(|halves| 0.5 * (halves[0] - halves[1]));
+                (film.collect(), Some(difference.collect()))
             }
         };
         Picture {

@@ -4,7 +4,7 @@ use super::block::Block;
 use super::error_estimate::ErrorEstimate;
 use super::picture::{Picture, mean_of};
 use crate::film::Film;
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use rayon::prelude::*;
 
 /// Half the difference of the half buffers at each pixel, relative to the radiance.
@@ -24,7 +24,8 @@ impl<'a> HalfBufferError<'a> {
             if *difference == Vec3::ZERO {
                 return Vec3::ZERO;
             }
-            let root = DVec3::from(picture.inverse_normaliser(pixel).to_array().map(f64::sqrt));
+            let [inverse, _] = picture.inverse_normaliser(pixel, 1);
+            let root = inverse.map(f64::sqrt);
             (difference.as_dvec3() * root).as_vec3()
         });
         Some(HalfBufferError {

@@ -1,17 +1,16 @@
 //! Frames and sequences of frames: which samples a pixel takes, how frames are scheduled, what their error is and how it
 //! changes from frame to frame.
 //!
-//! Where a pixel takes two samples or more, it takes them in two independent half buffers A and B. The square of half
-//! their difference is an unbiased estimate of the squared error of their mean. They take no measurable time, but two
-//! independent sets of Sobol points are less evenly distributed than one: relMSE 0.0051 rather than 0.0045 for 32 paths,
-//! and at edges, where errors fall almost as the inverse square of the number of samples, 1.8 times the error of one set.
-//! What half buffers cannot know, as samples lie at fixed places, are single or filter textures, is estimated at held-out
-//! pixels; of filters, where half buffers know the rest, from samples that are shaded with and without them. Samples are
-//! added by the contrast around a pixel, never its own, so that no value decides how many samples it has.
+//! Frames with Monte Carlo noise are rendered in two independent half buffers A and B. The square of half their difference
+//! is an unbiased estimate of the squared error of their mean. Two independent sets of Sobol points are less evenly
+//! distributed than one: relMSE 0.0051 rather than 0.0045 for 32 paths, but at edges, where errors fall almost as the
+//! inverse square of the number of samples, 1.8 times the error of one set. So frames without such noise take one set, and
+//! their error is estimated at held-out pixels alone; what filters of textures change is so in all frames. Samples are added
+//! by the contrast around a pixel, never its own, so that no value decides how many samples it has.
 //!
 //! Tried, and no better: half buffers of a pixel that decide for each other take 5 % fewer samples, but both miss the same
-//! features, and their difference tells up to 18 % too little; one buffer whose own samples decide takes a third fewer,
-//! but held-out pixels alone, in 2 % of the time, know its error to no better than 25 %, as few pixels have most of it.
+//! features, and their difference tells up to 18 % too little; held-out pixels chosen by the variance within them, or by how
+//! rare their errors are, know the error no better than by the expected error alone.
 //!
 //! A frame is a pure function of (scene, camera, settings, irradiance cache, frame number): the same bits for any
 //! number of threads. Knows nothing of file formats, folders or terminals.
@@ -20,6 +19,7 @@ mod accumulator;
 mod adaptive;
 mod block;
 mod error_estimate;
+mod error_estimator;
 mod flicker;
 mod frame;
 mod grid;

@@ -2,7 +2,7 @@
 
 use super::block::Block;
 use crate::film::Film;
-use crate::metrics::{RADIANCE_FLOOR, local_mean};
+use crate::metrics::{RADIANCE_FLOOR, local_mean, neighbours};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -34,27 +34,50 @@ impl Picture {
         self.film.pixels()[pixel].as_dvec3()
     }
 
-    /// The inverse of a pixel's [`normaliser`](crate::metrics::normaliser) in the converged picture.
+    /// The inverse of a pixel's [`normaliser`](crate::metrics::normaliser) in the converged picture, and its standard
+    /// deviation where half buffers do not correct it.
     ///
-    /// Noise of the mean around the pixel makes the inverse too large on average; half buffers correct it in first order
-    /// (the jackknife, Quenouille 1956).
-    pub(super) fn inverse_normaliser(&self, pixel: usize) -> DVec3 {
-        let around = |film: &Film| {
-            let (pixels, width) = (film.pixels(), film.width() as usize);
-            let mean = local_mean(pixels, width, pixel, self.spacing);
-            mean.unwrap_or(pixels[pixel])
-        };
-        let mean = around(&self.film);
+    /// Noise of the mean around the pixel makes the inverse too large on average, which is corrected in first order (the
+    /// jackknife, Quenouille 1956): by half buffers or, without, by what is expected of a pixel of `count` samples.
+    pub(super) fn inverse_normaliser(&self, pixel: usize, count: u32) -> [DVec3; 2] {
+        let mean = self.around(&self.film, pixel);
         let plain = self.inverse(mean.as_dvec3());
-        self.half_difference.as_ref().map_or(plain, |film| {
-            let difference = around(film);
-            if difference == Vec3::ZERO {
-                return plain;
-            }
-            let halves = [mean + difference, mean - difference];
-            let [a, b] = halves.map(|mean| self.inverse(mean.as_dvec3()));
-            (2.0 * plain - 0.5 * (a + b)).max(0.5 * plain)
-        })
+        let deviation = match &self.half_difference {
+            Some(half_difference) => self.around(half_difference, pixel),
+            None => self.deviation_around(pixel, mean, count),
+        };
+        if deviation == Vec3::ZERO {
+            return [plain, DVec3::ZERO];
+        }
+        let both = [mean + deviation, mean - deviation];
+        let [a, b] = both.map(|mean| self.inverse(mean.as_dvec3()));
+        let corrected = 2.0 * plain - 0.5 * (a + b);
+        let deviation = match self.half_difference {
+            Some(_) => DVec3::ZERO,
+            None => 0.5 * (a - b).abs(),
+        };
+        [corrected.max(0.5 * plain), deviation]
+    }
+
+    /// The mean around a pixel of a film.
+    fn around(&self, film: &Film, pixel: usize) -> Vec3 {
+        let mean = local_mean(film.pixels(), self.width(), pixel, self.spacing);
+        mean.unwrap_or(film.pixels()[pixel])
+    }
+
+    /// How far the `mean` around a pixel is expected to be from that of the converged picture.
+    ///
+    /// Where an edge passes, three of eight neighbours are random by it, with a variance of 1/6 on average, where the
+    /// others are 0 or 1: about a quarter of the variance between all. It falls at least as the number of their samples.
+    fn deviation_around(&self, pixel: usize, mean: Vec3, count: u32) -> Vec3 {
+        const RANDOM_PART: f32 = 0.25;
+        let neighbours = neighbours(self.film.pixels(), self.width(), pixel, self.spacing);
+        let (squares, neighbours) = neighbours
+            .fold((Vec3::ZERO, 0.0_f32), |(sum, number), value| {
+                (sum + (value - mean) * (value - mean), number + 1.0)
+            });
+        let variance = RANDOM_PART * squares / (neighbours * neighbours).max(1.0);
+        (variance / count as f32).map(f32::sqrt)
     }
 
     /// The same of a block's mean.

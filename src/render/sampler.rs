@@ -35,7 +35,9 @@ pub(super) enum Sequence {
         estimate: u32,
         /// How often pixels were held out before.
         round: u32,
-        /// Textures are filtered as by a half buffer of so many samples; 0 is not at all.
+        /// How often the pixel was asked for before in this round.
+        answer: u32,
+        /// Textures are filtered as by a point, or its half buffer, of so many samples; 0 is not at all.
         filtered_as: u32,
     },
 }
@@ -95,15 +97,15 @@ impl QuadrantSums {
 
 /// How the points of a frame are sampled.
 ///
-/// Where a frame has half buffers, they are two independent ones, A and B, whose difference tells the variance of their
-/// mean: half of the samples each or, of a single sample, one each with half of the paths from the first diffuse bounce.
-/// Odd numbers are rounded up.
+/// Where there is Monte Carlo noise, they are in two independent half buffers, A and B, whose difference tells the
+/// variance of their mean: half of the samples each or, of a single sample, one each with half of the paths from the
+/// first diffuse bounce. Odd numbers are rounded up.
 pub(super) struct Sampler<'a> {
     rays: CameraRays,
     position: Position,
     /// Of a run's samples.
     integrator: Integrator<'a>,
-    /// The first samples of a point, or of each of its half buffers.
+    /// The first samples of a point, or of each of its half buffers; adaptive ones double from there.
     pub(super) first: u32,
     /// How many half buffers there are, 2, or 1: the picture itself.
     pub(super) half_buffers: usize,
@@ -139,7 +141,7 @@ impl<'a> Sampler<'a> {
         };
         let mut integrator = integrator.clone();
         let mut half_buffers = 1;
-        if settings.has_half_buffers() {
+        if settings.is_noisy() {
             half_buffers = 2;
             if first == 1 && !integrator.splits().is_empty() {
                 integrator = integrator.with_half_the_paths();
@@ -204,8 +206,11 @@ impl<'a> Sampler<'a> {
                 Sequence::Whole => sequence,
                 Sequence::Half(half) => sequence.stream(half),
                 Sequence::HeldOut {
-                    estimate, round, ..
-                } => sequence.stream(2 + 2 * round + estimate),
+                    estimate,
+                    round,
+                    answer,
+                    ..
+                } => sequence.stream(2 + 2 * round + estimate).stream(answer),
             };
             for index in run.first..run.end {
                 let [u, v] = match self.position {
@@ -245,21 +250,22 @@ impl<'a> Sampler<'a> {
         if self.integrator.scene().textures().is_empty() {
             return None;
         }
-        // The numbers of adaptive samples double from pass to pass.
-        let half = |index: u32, end: u32| {
-            let end = match self.is_adaptive {
-                true => (index + 1).next_power_of_two(),
-                false => end,
-            };
-            1.0 / f64::from(end)
+        // Of adaptive samples, as many as there were once they doubled up to this one.
+        let samples = |index: u32, end: u32| match self.is_adaptive {
+            true => f64::from((index + 1).next_power_of_two()),
+            false => f64::from(end),
         };
         let area = match (run.sequence, self.position) {
             (Sequence::HeldOut { filtered_as: 0, .. }, _) => 0.0,
-            (Sequence::HeldOut { filtered_as, .. }, _) => half(index % filtered_as, filtered_as),
+            (Sequence::HeldOut { filtered_as, .. }, _) => {
+                1.0 / samples(index % filtered_as, filtered_as)
+            }
             (_, Position::Center | Position::Corner) => 1.0,
-            (Sequence::Whole, Position::Spread) => 2.0 / f64::from(run.end),
-            (Sequence::Half(_), Position::Spread) => half(index, run.end),
+            (Sequence::Whole | Sequence::Half(_), Position::Spread) => {
+                1.0 / samples(index, run.end)
+            }
         };
+        let area = area * 2.0 / self.half_buffers as f64;
         let area = area.min(1.0);
         Some(Footprint {
             width: area.sqrt(),

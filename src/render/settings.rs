@@ -37,7 +37,7 @@ pub enum PixelSampling {
     Corners,
     /// This many, at least 1, stratified over the pixel's square.
     Spread(u32),
-    /// Stratified over the pixel's square, at least two, and as many more where they reduce the error of the frame most
+    /// Stratified over the pixel's square, at least one, and as many more where they reduce the error of the frame most
     /// as it takes for a relMSE below this; the error of the irradiance cache comes to it.
     Adaptive(f64),
 }
@@ -57,18 +57,9 @@ impl RenderSettings {
         }
     }
 
-    /// Whether frames are rendered in two independent half buffers: where samples are random, and more than one or of
-    /// more than one path.
-    pub fn has_half_buffers(&self) -> bool {
-        match self.sampling {
-            PixelSampling::Center | PixelSampling::Corners => self.is_noisy(),
-            PixelSampling::Spread(1) => self.is_noisy() || self.is_adaptive(),
-            PixelSampling::Spread(_) | PixelSampling::Adaptive(_) => true,
-        }
-    }
-
-    /// Whether samples of the same film position differ: Monte Carlo noise.
-    pub(super) fn is_noisy(&self) -> bool {
+    /// Whether samples of the same film position differ: Monte Carlo noise. Such frames are rendered in two independent
+    /// half buffers. Others have more evenly distributed samples without.
+    pub fn is_noisy(&self) -> bool {
         matches!(
             self.integrator,
             IntegratorSettings::PathTraced { bounces: 1.., .. }

@@ -101,6 +101,8 @@ pub(crate) fn replace_frames(out: &Path, frames: &[u32], build: &str) {
         let rendered = RenderedFrame {
             film: Film::new(width, height),
             half_difference: None,
+            expected_errors: Vec::new(),
+            display_white: 1.0,
             error: FrameErrorEstimate {
                 whole: ErrorEstimate {
                     rel_mse: 0.0,

@@ -40,8 +40,13 @@ fn frame_of(
     renderer(scene, &settings).render_frame(camera, 0)
 }
 
-/// The mean of (x - r)^2 / (m^2 + (white / 10)^2), where m is the mean of the neighbouring pixels.
+/// The mean of (x - r)^2 / (m^2 + (white / 10)^2), where m is the mean of the neighbouring pixels of the reference.
 fn rel_mse(film: &Film, reference: &Film, white: f64) -> f64 {
+    relative_mean(film, reference, reference, white)
+}
+
+/// The same, where m is that of another film.
+fn relative_mean(film: &Film, reference: &Film, radiance: &Film, white: f64) -> f64 {
     let (width, height) = (SIZE[0] as i32, SIZE[1] as i32);
     let at = |film: &Film, x: i32, y: i32| film.pixels()[(y * width + x) as usize].as_dvec3();
     let inside = |x: i32, y: i32| (0..width).contains(&x) && (0..height).contains(&y);
@@ -50,7 +55,7 @@ fn rel_mse(film: &Film, reference: &Film, white: f64) -> f64 {
         let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
         let around = around.filter(|(dx, dy)| (*dx, *dy) != (0, 0) && inside(x + dx, y + dy));
         let around: Vec<DVec3> = around
-            .map(|(dx, dy)| at(reference, x + dx, y + dy))
+            .map(|(dx, dy)| at(radiance, x + dx, y + dy))
             .collect();
         let mean = around.iter().sum::<DVec3>() / around.len() as f64;
         let error = at(film, x, y) - at(reference, x, y);
@@ -272,6 +277,34 @@ fn half_buffers_are_independent() {
         correlation.abs() < 4.0 / (32.0 * 1728.0_f64).sqrt(),
         "{correlation}"
     );
+}
+
+/// The squares of the pixels' standard errors, relative to the radiance around them, are those of the frame.
+#[test]
+fn standard_errors_of_pixels_make_up_that_of_the_frame() {
+    let noisy = monte_carlo(4, &[4]);
+    for (integrator, sampling, most) in [
+        (ray_tracing(), PixelSampling::Center, 1e-3),
+        (ray_tracing(), PixelSampling::Corners, 1e-3),
+        (ray_tracing(), PixelSampling::Adaptive(0.01), 1e-3),
+        // The frame's error corrects for the noise of the radiance around pixels.
+        (noisy, PixelSampling::Spread(4), 0.1),
+    ] {
+        let settings = RenderSettings {
+            display_white: 0.35,
+            sampling,
+            ..settings(integrator, SIZE[0], SIZE[1])
+        };
+        let frame = frame(&settings, 1);
+        let errors = frame.standard_errors();
+        let no_error = Film::new(SIZE[0], SIZE[1]);
+        let mean = relative_mean(&errors, &no_error, &frame.film, 0.35);
+        let whole = frame.error.whole.rel_mse;
+        assert!(
+            (mean / whole - 1.0).abs() < most,
+            "{sampling:?} {mean} {whole}"
+        );
+    }
 }
 
 /// Whole blocks and pixels that nothing disturbs have no error.

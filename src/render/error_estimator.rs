@@ -55,6 +55,25 @@ pub(super) struct ErrorEstimator<'a> {
     pub(super) has_textures: bool,
 }
 
+/// How much an estimate takes.
+#[derive(Clone, Copy)]
+pub(super) struct Effort {
+    /// How often the error of this frame was estimated before: tells independent estimates apart.
+    pub(super) round: u32,
+    /// Whether the picture is refined.
+    pub(super) is_refined: bool,
+    /// Times as many samples as usual.
+    pub(super) times: f64,
+}
+
+impl Effort {
+    pub(super) const FIRST: Effort = Effort {
+        round: 0,
+        is_refined: false,
+        times: 1.0,
+    };
+}
+
 /// How many samples the pixels of a picture have, or each of its half buffers.
 #[derive(Clone, Copy)]
 pub(super) enum PixelSamples<'a> {
@@ -109,9 +128,8 @@ struct HeldOut {
 }
 
 impl ErrorEstimator<'_> {
-    /// The error against what `sampler` converges to, and the work. The `round` tells independent estimates of one frame
-    /// apart.
-    pub(super) fn estimate(&self, sampler: &Sampler, round: u32) -> (FrameErrorEstimate, Work) {
+    /// The error against what `sampler` converges to, and the work.
+    pub(super) fn estimate(&self, sampler: &Sampler, effort: Effort) -> (FrameErrorEstimate, Work) {
         // They do not know what fixed positions are off by.
         let half_buffers = match self.has_fixed_positions {
             true => None,
@@ -119,7 +137,7 @@ impl ErrorEstimator<'_> {
         };
         let parts = self.parts().iter();
         let parts: Vec<HeldOut> = parts
-            .map(|&part| self.hold_out(part, sampler, round))
+            .map(|&part| self.hold_out(part, sampler, effort))
             .collect();
         let worst_blocks = self.worst_blocks(half_buffers.as_ref());
         let mut questions = Vec::new();
@@ -133,7 +151,7 @@ impl ErrorEstimator<'_> {
                 part: Part::All,
             }
         }));
-        let (errors, work) = self.errors(&questions, sampler, round);
+        let (errors, work) = self.errors(&questions, sampler, effort.round);
         let mut errors = errors.into_iter();
         let of_half_buffers = half_buffers.as_ref().map(HalfBufferError::estimate);
         let mut whole = of_half_buffers.unwrap_or(ErrorEstimate::NONE);
@@ -171,7 +189,7 @@ impl ErrorEstimator<'_> {
     }
 
     /// Chooses pixels for about the samples that a part may take.
-    fn hold_out(&self, part: Part, sampler: &Sampler, round: u32) -> HeldOut {
+    fn hold_out(&self, part: Part, sampler: &Sampler, effort: Effort) -> HeldOut {
         let pixels = self.expected_errors.par_iter().enumerate();
         let weights = pixels.map(|(pixel, expected)| {
             // Of the least error for a given cost.
@@ -182,17 +200,17 @@ impl ErrorEstimator<'_> {
         let weights: Vec<f32> = weights.collect();
         let halves = if self.has_halves() { 2.0 } else { 1.0 };
         let samples = (0..weights.len()).map(|pixel| f64::from(self.samples.of(pixel)));
-        let fraction = match round {
-            0 => FRACTION,
-            _ => FRACTION_OF_REFINED,
+        let fraction = match effort.is_refined {
+            false => FRACTION,
+            true => FRACTION_OF_REFINED,
         };
         let samples: f64 = halves * samples.sum::<f64>();
         let [least, more] = LEAST_SAMPLES;
-        let budget = (fraction * samples).max((0.5 * samples).clamp(least, more));
+        let budget = effort.times * (fraction * samples).max((0.5 * samples).clamp(least, more));
         let has_partners = self.has_fixed_positions;
         let pixels = if has_partners { 2 } else { 1 };
         let cost = |pixel: usize| f64::from(pixels * ANSWERS * self.cost(pixel, part));
-        let random = sampler.frame_sequence(part.round(round));
+        let random = sampler.frame_sequence(part.round(effort.round));
         let held_out = hold_out(&weights, cost, budget, random.sample_1d(0, 0));
         let choices = held_out
             .iter()

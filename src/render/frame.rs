@@ -3,7 +3,7 @@
 use super::accumulator::SampleAccumulator;
 use super::adaptive::Survey;
 use super::error_estimate::FrameErrorEstimate;
-use super::error_estimator::{ErrorEstimator, PixelSamples};
+use super::error_estimator::{Effort, ErrorEstimator, PixelSamples};
 use super::grid::{Grid, average_corners};
 use super::observer::{NoObserver, RenderObserver};
 use super::picture::Picture;
@@ -119,7 +119,13 @@ impl Renderer<'_> {
             None => {
                 let picture = self.picture(&samples);
                 let expected_errors = picture.contrasts();
-                let error = self.error(&mut samples, &picture, &expected_errors, &sampler, 0);
+                let error = self.error(
+                    &mut samples,
+                    &picture,
+                    &expected_errors,
+                    &sampler,
+                    Effort::FIRST,
+                );
                 (picture, expected_errors, error)
             }
         };
@@ -150,9 +156,15 @@ impl Renderer<'_> {
         const STALLED: f64 = 0.9;
         /// ... and a frame is given as it is after so many of them: more samples of the same kind do not help it.
         const MOST_STALLED: u32 = 3;
+        /// Where the interval alone is above the target, or far above the error, held-out pixels take so many times more
+        /// samples, ...
+        const MORE: f64 = 4.0;
+        /// ... up to so many times as many as at first.
+        const MOST: f64 = 16.0;
         let settings = &self.settings;
         let (width, display_white) = (settings.width as usize, settings.display_white);
-        let (mut pass, mut before, mut stalled) = (0, f64::INFINITY, 0);
+        let (mut before, mut stalled) = (f64::INFINITY, 0);
+        let mut effort = Effort::FIRST;
         loop {
             if observer.is_stopped() {
                 return None;
@@ -160,20 +172,28 @@ impl Renderer<'_> {
             let survey = Survey::new(samples, width, display_white, settings.is_noisy());
             let picture = self.picture(samples);
             let expected_errors = survey.expected_errors(&samples.counts, &picture.contrasts());
-            let error = self.error(samples, &picture, &expected_errors, sampler, pass);
+            let error = self.error(samples, &picture, &expected_errors, sampler, effort);
+            effort.round += 1;
             let [_, upper] = error.whole.interval();
+            // As far as it is known: not more than twice the estimate.
+            let known = upper.min(2.0 * error.whole.rel_mse);
+            let is_vague = error.whole.rel_mse < AIM * target || known < upper;
+            if upper > target && is_vague && effort.times < MOST {
+                effort.times *= MORE;
+                continue;
+            }
             stalled += u32::from(upper > STALLED * before);
             before = upper;
             if upper <= target || stalled == MOST_STALLED {
                 return Some((picture, expected_errors, error));
             }
             // One decision for all pixels, on which a single pixel has next to no influence.
-            let fraction = AIM * target / upper;
+            let fraction = AIM * target / known.max(target);
             match survey.next_counts(&samples.counts, fraction, sampler.most()) {
                 Some(next) => samples.refine(grid, sampler, |index| next[index], observer),
                 None => return Some((picture, expected_errors, error)),
             }
-            pass += 1;
+            effort.is_refined = true;
         }
     }
 
@@ -184,7 +204,7 @@ impl Renderer<'_> {
         picture: &Picture,
         expected_errors: &[f32],
         sampler: &Sampler,
-        round: u32,
+        effort: Effort,
     ) -> FrameErrorEstimate {
         let has_fixed_positions = matches!(
             self.settings.sampling,
@@ -200,7 +220,7 @@ impl Renderer<'_> {
             has_fixed_positions,
             has_textures: !self.scene().textures().is_empty(),
         };
-        let (error, work) = estimator.estimate(&sampler.of_whole_pixels(), round);
+        let (error, work) = estimator.estimate(&sampler.of_whole_pixels(), effort);
         samples.rays += work.query_state.rays;
         samples.non_finite += work.non_finite;
         error

@@ -11,6 +11,12 @@ use rayon::prelude::*;
 /// noisy, and its error would stay however many samples other pixels get.
 const MIN_RELATIVE_VARIANCE: f32 = 1e-4;
 
+/// The most times that a pass doubles the samples of a pixel: an estimate from few samples may be far off.
+const MOST_DOUBLINGS: u32 = 2;
+
+/// Rows of pixels that are surveyed one after the other.
+const STRIP: usize = 16;
+
 /// What the samples of a frame say about its error.
 ///
 /// The variance of a pixel's samples is estimated from the ring of twelve quadrants of its neighbours that face it, between
@@ -22,12 +28,6 @@ pub(super) struct Survey {
     /// Errors fall with this power of the number of samples: 1 of noise, 2 of stratified samples of straight edges.
     convergence: i32,
 }
-
-/// The most times that a pass doubles the samples of a pixel: an estimate from few samples may be far off.
-const MOST_DOUBLINGS: u32 = 2;
-
-/// Rows of pixels that are surveyed one after the other.
-const STRIP: usize = 16;
 
 impl Survey {
     /// Of the samples of pixels in rows of `width`. `is_noisy` says that there is Monte Carlo noise.

@@ -163,7 +163,8 @@ impl ErrorEstimator<'_> {
         }
         let of_worst = worst_blocks.iter().map(|block| {
             let squares = block.pixels().zip(&mut errors);
-            let squares = squares.map(|(pixel, error)| self.relative(pixel, error)[0]);
+            let squares =
+                squares.map(|(pixel, error)| product(error, self.inverse_normaliser(pixel)[0]));
             mean(&squares.collect::<Vec<f64>>())
         });
         let estimate = FrameErrorEstimate {
@@ -267,10 +268,8 @@ impl ErrorEstimator<'_> {
         let (mut choices, mut sum, mut variance) = (0.0, 0.0, 0.0);
         let mut of_blocks = Vec::new();
         for of in &held_out.pixels {
-            let relative = |error| {
-                self.relative(of.pixel, error)
-                    .map(|value| value / of.density)
-            };
+            let inverse = self.inverse_normaliser(of.pixel);
+            let relative = |error| inverse.map(|inverse| product(error, inverse) / of.density);
             let (mut sums, mut answers) = ([DVec3::ZERO; 2], Vec::new());
             for _ in 0..of.times * ANSWERS {
                 let [a, b] = next();
@@ -287,20 +286,20 @@ impl ErrorEstimator<'_> {
             }
             let count = answers.len() as f64;
             let means = sums.map(|sum| sum / count);
-            let [product, deviation] = relative(means);
+            let [value, deviation] = relative(means);
             // The noise of A times that of B counts twice in the jackknife's squares.
             let square = |answer: &[DVec3; 2]| {
                 let off = [0, 1].map(|i| (answer[i] - means[i]) / (count - 1.0));
                 let [without, _] = relative([0, 1].map(|i| means[i] - off[i]));
                 let [of_both, _] = relative(off);
-                let square = (without - product).powi(2) - (count - 1.0) * of_both.powi(2);
+                let square = (without - value).powi(2) - (count - 1.0) * of_both.powi(2);
                 (count - 1.0) * square
             };
             let noise = answers.iter().map(square).sum::<f64>().max(0.0) / count;
             let times = f64::from(of.times);
             choices += times;
-            sum += times * product;
-            variance += of.chance * times.powi(2) * noise + (1.0 - of.chance) * product.powi(2);
+            sum += times * value;
+            variance += of.chance * times.powi(2) * noise + (1.0 - of.chance) * value.powi(2);
             variance += (times * deviation).powi(2);
         }
         let of_pixels = ErrorEstimate {
@@ -315,12 +314,10 @@ impl ErrorEstimator<'_> {
         (of_pixels, of_blocks)
     }
 
-    /// The product of two estimates of a pixel's error, relative to the square of the radiance, and its standard
-    /// deviation by that.
-    fn relative(&self, pixel: usize, [a, b]: [DVec3; 2]) -> [f64; 2] {
+    /// What the product of two estimates of a pixel's error is relative to, inverted, and its standard deviation.
+    fn inverse_normaliser(&self, pixel: usize) -> [DVec3; 2] {
         let count = self.samples.of(pixel);
-        let inverse = self.picture.inverse_normaliser(pixel, count);
-        inverse.map(|inverse| (a * b * inverse).element_sum() / 3.0)
+        self.picture.inverse_normaliser(pixel, count)
     }
 
     /// The blocks whose error is expected to be largest: by half buffers, if there are any.
@@ -434,4 +431,9 @@ impl ErrorEstimator<'_> {
     fn block(&self, pixel: usize) -> Block {
         Block::of(pixel, self.picture.width(), self.picture.height())
     }
+}
+
+/// The product of two estimates of an error, relative to the radiance.
+fn product([a, b]: [DVec3; 2], inverse_normaliser: DVec3) -> f64 {
+    (a * b * inverse_normaliser).element_sum() / 3.0
 }

@@ -172,16 +172,18 @@ impl Renderer<'_> {
             let survey = Survey::new(samples, width, display_white, settings.is_noisy());
             let picture = self.picture(samples);
             let expected_errors = survey.expected_errors(&samples.counts, &picture.contrasts());
-            let error = self.error(samples, &picture, &expected_errors, sampler, effort);
-            effort.round += 1;
-            let [_, upper] = error.whole.interval();
-            // As far as it is known: not more than twice the estimate.
-            let known = upper.min(2.0 * error.whole.rel_mse);
-            let is_vague = error.whole.rel_mse < AIM * target || known < upper;
-            if upper > target && is_vague && effort.times < MOST {
+            let (error, upper, known) = loop {
+                let error = self.error(samples, &picture, &expected_errors, sampler, effort);
+                effort.round += 1;
+                let [_, upper] = error.whole.interval();
+                // As far as it is known: not more than twice the estimate.
+                let known = upper.min(2.0 * error.whole.rel_mse);
+                let is_vague = error.whole.rel_mse < AIM * target || known < upper;
+                if upper <= target || !is_vague || effort.times >= MOST {
+                    break (error, upper, known);
+                }
                 effort.times *= MORE;
-                continue;
-            }
+            };
             stalled += u32::from(upper > STALLED * before);
             before = upper;
             if upper <= target || stalled == MOST_STALLED {
@@ -246,7 +248,6 @@ impl Renderer<'_> {
                 PixelSampling::Corners if self.settings.is_noisy() => 2,
                 _ => 1,
             },
-            is_noisy: self.settings.is_noisy(),
             display_white: self.settings.display_white,
         }
     }

@@ -40,36 +40,26 @@ impl<'a> HalfBufferError<'a> {
         f64::from(self.relative[pixel].length_squared()) / 3.0
     }
 
-    /// The error of the picture.
+    /// The error of the picture, whose pixels share no noise.
     ///
     /// With half buffers r + a and r + b the error of the picture is (a + b) / 2, and half their difference is
     /// (a - b) / 2: the squares have the same expectation, and differ by a b. The variance of the sum of a b over the
     /// channels is the sum of the squares of the covariance matrix of a, of which a pixel and its neighbour give two
     /// independent estimates. That underestimates where errors vary from pixel to pixel, as they do at edges. The fourth
     /// power of a pixel's own difference is three times the square of its variance if noise is normal, and more where
-    /// noise has outliers. Of noise the mean of both is taken, of edges the larger one.
+    /// noise has outliers. The mean of both is taken.
     pub(super) fn estimate(&self) -> ErrorEstimate {
-        let Picture {
-            spacing, is_noisy, ..
-        } = *self.picture;
         let values = &self.relative;
         let count = values.len() as f64;
         let squares: f64 = values.iter().map(|d| f64::from(d.length_squared())).sum();
-        let neighbours = values.iter().zip(values.iter().cycle().skip(spacing));
+        let neighbours = values.iter().zip(values.iter().cycle().skip(1));
         let products: f64 = neighbours.map(|(d, e)| f64::from(d.dot(*e)).powi(2)).sum();
         let fourths = values.iter().map(|d| f64::from(d.length_squared()).powi(2));
         let thirds = fourths.sum::<f64>() / 3.0;
-        let covariances = if is_noisy {
-            0.5 * (products + thirds)
-        } else {
-            products.max(thirds)
-        };
-        // Pixels that share corner samples share noise: the correlation with the four adjacent pixels is 1/2, with
-        // the four diagonal ones 1/4. The variance grows by the sum of the squares, 1 + 4/4 + 4/16.
-        let shared = if spacing == 1 { 1.0 } else { 2.25 };
+        let covariances = 0.5 * (products + thirds);
         ErrorEstimate {
             rel_mse: squares / count / 3.0,
-            standard_error: (4.0 * shared * covariances).sqrt() / count / 3.0,
+            standard_error: (4.0 * covariances).sqrt() / count / 3.0,
         }
     }
 
@@ -114,7 +104,6 @@ mod tests {
             film: film(both().map(|(a, b)| 0.5 * (a + b)).collect()),
             half_difference: Some(film(both().map(|(a, b)| 0.5 * (a - b)).collect())),
             spacing: 1,
-            is_noisy: true,
             display_white: 1.0,
         };
         let truth = vec![Vec3::splat(0.5); COUNT];

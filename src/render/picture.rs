@@ -14,8 +14,6 @@ pub(super) struct Picture {
     pub(super) half_difference: Option<Film>,
     /// The distance to the nearest pixels in a row that share no noise.
     pub(super) spacing: usize,
-    /// Whether it has Monte Carlo noise.
-    pub(super) is_noisy: bool,
     /// The radiance that is displayed as white.
     pub(super) display_white: f32,
 }

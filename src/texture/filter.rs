@@ -2,8 +2,8 @@
 //! Fast Elliptical Lines for Anisotropic Texture Mapping").
 
 use super::Texture;
-use super::bilinear::wrapped;
-use glam::{Vec2, Vec3};
+use super::bilinear::Place;
+use glam::{Vec2, Vec3, Vec4};
 
 /// The most taps of a lookup. A footprint that is longer, compared with its width, is widened.
 ///
@@ -32,7 +32,7 @@ impl Texture {
             return self.sample(uv);
         }
         if !axes.major_squared.is_finite() {
-            return self.level(self.mip_map.last(), uv);
+            return self.level(self.mip_map.last(), Place::of(uv)).truncate();
         }
         // Interpolated texels of size s have a variance of s^2 / 4 - 1/12 around those of level 0, which have 1/6; the
         // mean over a width of w adds w^2 / 12. So s^2 = 1 + w^2 / 3.
@@ -41,46 +41,45 @@ impl Texture {
         let length_squared = (axes.major_squared + 3.0 - 3.0 * texel_squared).max(0.0);
         // A line that hardly widens the filter needs a single tap.
         if length_squared < 0.25 * texel_squared {
-            return self.trilinear(texel_squared, uv);
+            return self.trilinear(texel_squared, Place::of(uv)).truncate();
         }
         let taps = (length_squared / texel_squared).sqrt().ceil();
         let taps = taps.clamp(2.0, MAX_TAPS);
-        // Points at equal distances have less variance than the line that they stand for.
-        let length = (length_squared / (1.0 - 1.0 / (taps * taps))).sqrt();
-        let step = axes.direction * (length / taps) / size;
-        let uv = Vec2::new(wrapped(uv.x), wrapped(uv.y)) - 0.5 * (taps - 1.0) * step;
-        let mut sum = Vec3::ZERO;
+        // So many points at equal distances have the variance of a line that is sqrt(taps^2 - 1) distances long.
+        let step = axes.direction() * (length_squared / (taps * taps - 1.0)).sqrt() / size;
+        let first = Place::of(uv).moved(-0.5 * (taps - 1.0) * step);
+        let mut sum = Vec4::ZERO;
         for tap in 0..taps as u32 {
-            sum += self.trilinear(texel_squared, uv + tap as f32 * step);
+            sum += self.trilinear(texel_squared, first.moved(tap as f32 * step));
         }
-        sum / taps
+        sum.truncate() / taps
     }
 
     /// The colour from the levels whose texels are smaller and larger than the square root of `texel_squared`, in texels
     /// of level 0, weighted so that the filter's variance is that of texels of this size.
     #[inline(always)]
-    fn trilinear(&self, texel_squared: f32, uv: Vec2) -> Vec3 {
+    fn trilinear(&self, texel_squared: f32, place: Place) -> Vec4 {
         // The power of 4 below it.
         let level = (texel_squared.to_bits() >> 23).saturating_sub(127) / 2;
         if level as usize >= self.mip_map.last() {
-            return self.level(self.mip_map.last(), uv);
+            return self.level(self.mip_map.last(), place);
         }
         let below = f32::from_bits((127 + 2 * level) << 23);
         let weight = (texel_squared / below - 1.0) / 3.0;
-        let finer = self.level(level as usize, uv);
+        let finer = self.level(level as usize, place);
         if weight < MIN_WEIGHT {
             return finer;
         }
-        finer.lerp(self.level(level as usize + 1, uv), weight)
+        finer.lerp(self.level(level as usize + 1, place), weight)
     }
 
-    /// The colour of a level at `uv`, interpolated bilinearly.
+    /// The colour of a level at a place, interpolated bilinearly.
     #[inline(always)]
-    fn level(&self, level: usize, uv: Vec2) -> Vec3 {
+    fn level(&self, level: usize, place: Place) -> Vec4 {
         if level == 0 {
-            self.sample(uv)
+            self.at(place)
         } else {
-            self.mip_map.sample(level, uv)
+            self.mip_map.sample(level, place)
         }
     }
 }
@@ -90,8 +89,8 @@ impl Texture {
 struct Axes {
     major_squared: f32,
     minor_squared: f32,
-    /// The unit direction of the major axis.
-    direction: Vec2,
+    /// Along the major axis; of any length.
+    along: Vec2,
 }
 
 impl Axes {
@@ -106,7 +105,7 @@ impl Axes {
         let major_squared = 0.5 * (xx + yy) + root;
         let determinant = (a.x * b.y - a.y * b.x).abs();
         // Of two forms of the eigenvector, the one without cancellation.
-        let direction = if half >= 0.0 {
+        let along = if half >= 0.0 {
             Vec2::new(root + half, xy)
         } else {
             Vec2::new(xy, root - half)
@@ -114,8 +113,14 @@ impl Axes {
         Axes {
             major_squared,
             minor_squared: determinant * (determinant / major_squared),
-            direction: direction.normalize_or(Vec2::X),
+            along,
         }
+    }
+
+    /// The unit direction of the major axis.
+    #[inline(always)]
+    fn direction(&self) -> Vec2 {
+        self.along.normalize_or(Vec2::X)
     }
 }
 
@@ -249,9 +254,9 @@ mod tests {
         let axes = Axes::of([3.0 * turned, -0.5 * turned.perp()]);
         assert!((axes.major_squared - 9.0).abs() < 1e-5);
         assert!((axes.minor_squared - 0.25).abs() < 1e-5);
-        assert!(axes.direction.perp_dot(turned).abs() < 1e-6);
+        assert!(axes.direction().perp_dot(turned).abs() < 1e-6);
         let axes = Axes::of([Vec2::new(0.0, 2.0), Vec2::new(0.0, 2.0)]);
         assert_eq!([axes.major_squared, axes.minor_squared], [8.0, 0.0]);
-        assert_eq!(axes.direction, Vec2::Y);
+        assert_eq!(axes.direction(), Vec2::Y);
     }
 }

@@ -1,13 +1,13 @@
 //! Mip maps (Williams 1983, "Pyramidal Parametrics"): an image at a half, a quarter and so on of its size, down to its
 //! mean.
 
-use super::bilinear::bilinear;
-use glam::{Vec2, Vec3};
+use super::bilinear::{Place, bilinear};
+use glam::Vec4;
 
 /// The levels of an image above the image itself, which is level 0.
 ///
 /// Single precision keeps a constant image constant and the mean of every level that of the image, however dark; the
-/// levels take four bytes for each texel of the image.
+/// levels take 5.3 bytes for each texel of the image.
 #[derive(Clone, Debug)]
 pub(super) struct MipMap {
     levels: Vec<Level>,
@@ -18,12 +18,12 @@ pub(super) struct MipMap {
 struct Level {
     width: usize,
     height: usize,
-    texels: Vec<Vec3>,
+    texels: Vec<Vec4>,
 }
 
 impl MipMap {
     /// Of an image of `width * height` linear colours, at least one; `texel` gives each by its index.
-    pub(super) fn new(width: usize, height: usize, texel: impl Fn(usize) -> Vec3) -> MipMap {
+    pub(super) fn new(width: usize, height: usize, texel: impl Fn(usize) -> Vec4) -> MipMap {
         let mut levels = Vec::new();
         if width * height > 1 {
             levels.push(Level::halved(width, height, texel));
@@ -45,20 +45,20 @@ impl MipMap {
         self.levels.len()
     }
 
-    /// The colour of a level but level 0 at `uv`, interpolated bilinearly.
+    /// The colour of a level but level 0 at a place, interpolated bilinearly.
     #[inline(always)]
-    pub(super) fn sample(&self, level: usize, uv: Vec2) -> Vec3 {
+    pub(super) fn sample(&self, level: usize, place: Place) -> Vec4 {
         let level = &self.levels[level - 1];
-        bilinear((level.width, level.height), uv, |i| level.texels[i])
+        bilinear((level.width, level.height), place, |i| level.texels[i])
     }
 }
 
 impl Level {
     /// An image at half its size, rounded up. Each texel is the mean of the area that it covers, so that the mean of
     /// the image stays.
-    fn halved(width: usize, height: usize, texel: impl Fn(usize) -> Vec3) -> Level {
+    fn halved(width: usize, height: usize, texel: impl Fn(usize) -> Vec4) -> Level {
         let (half_width, half_height) = (width.div_ceil(2), height.div_ceil(2));
-        let mut texels = vec![Vec3::ZERO; half_width * half_height];
+        let mut texels = vec![Vec4::ZERO; half_width * half_height];
         for (y, row) in texels.chunks_exact_mut(half_width).enumerate() {
             for (source_y, weight_y) in covered(y, half_height, height) {
                 for (x, sum) in row.iter_mut().enumerate() {
@@ -91,18 +91,18 @@ fn covered(index: usize, count: usize, sources: usize) -> impl Iterator<Item = (
 mod tests {
     use super::*;
     use crate::sampling::Random;
-    use glam::DVec3;
+    use glam::DVec4;
 
-    fn mean(texels: &[Vec3]) -> DVec3 {
-        texels.iter().map(|texel| texel.as_dvec3()).sum::<DVec3>() / texels.len() as f64
+    fn mean(texels: &[Vec4]) -> DVec4 {
+        texels.iter().map(|texel| texel.as_dvec4()).sum::<DVec4>() / texels.len() as f64
     }
 
     #[test]
     fn levels_halve_and_keep_the_mean() {
         let mut random = Random::new(8);
         for (width, height) in [(1, 1), (2, 2), (16, 4), (7, 5), (1, 13), (100, 33)] {
-            let image: Vec<Vec3> = (0..width * height)
-                .map(|_| Vec3::new(random.unit(), random.unit(), random.unit()))
+            let image: Vec<Vec4> = (0..width * height)
+                .map(|_| Vec4::new(random.unit(), random.unit(), random.unit(), 0.0))
                 .collect();
             let mip_map = MipMap::new(width, height, |index| image[index]);
             let mut size = (width, height);
@@ -117,10 +117,10 @@ mod tests {
 
     #[test]
     fn texels_of_odd_sizes_are_weighted_by_area() {
-        let half = Level::halved(3, 1, |index| [Vec3::X, Vec3::Y, Vec3::Z][index]);
+        let half = Level::halved(3, 1, |index| [Vec4::X, Vec4::Y, Vec4::Z][index]);
         let third = 1.0 / 3.0;
-        let first = Vec3::new(2.0 * third, third, 0.0);
-        let second = Vec3::new(0.0, third, 2.0 * third);
+        let first = Vec4::new(2.0 * third, third, 0.0, 0.0);
+        let second = Vec4::new(0.0, third, 2.0 * third, 0.0);
         assert!((half.texels[0] - first).length() < 1e-6);
         assert!((half.texels[1] - second).length() < 1e-6);
     }

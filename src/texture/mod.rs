@@ -6,8 +6,8 @@ mod filter;
 mod mip_map;
 
 use crate::math::color::srgb_to_linear;
-use bilinear::bilinear;
-use glam::{DVec3, Vec2, Vec3};
+use bilinear::{Place, bilinear};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use mip_map::MipMap;
 use std::sync::LazyLock;
 
@@ -53,24 +53,31 @@ impl Texture {
     /// bilinearly. A coordinate that is not finite counts as 0.
     #[inline(always)]
     pub fn sample(&self, uv: Vec2) -> Vec3 {
+        self.at(Place::of(uv)).truncate()
+    }
+
+    /// [`Texture::sample`] at a place.
+    #[inline(always)]
+    fn at(&self, place: Place) -> Vec4 {
         let size = (self.width, self.height);
         let table = &*LINEAR_OF_CODE;
-        bilinear(size, uv, |index| linear(table, self.texels[index]))
+        bilinear(size, place, |index| linear(table, self.texels[index]))
     }
 
     /// The mean of its linear colours.
     pub fn mean(&self) -> DVec3 {
         let texels = self.texels.iter();
         let colors = texels.map(|texel| linear(&LINEAR_OF_CODE, *texel));
-        let sum: DVec3 = colors.map(|color| color.as_dvec3()).sum();
+        let sum: DVec3 = colors.map(|color| color.truncate().as_dvec3()).sum();
         sum / self.texels.len() as f64
     }
 }
 
 /// The linear colour of a texel, from [`LINEAR_OF_CODE`].
 #[inline(always)]
-fn linear(table: &[f32; 256], texel: [u8; 3]) -> Vec3 {
-    Vec3::from_array(texel.map(|code| table[code as usize]))
+fn linear(table: &[f32; 256], texel: [u8; 3]) -> Vec4 {
+    let [red, green, blue] = texel.map(|code| table[code as usize]);
+    Vec4::new(red, green, blue, 0.0)
 }
 
 #[cfg(test)]

@@ -30,6 +30,21 @@ impl ErrorEstimate {
         [low.max(0.0), high + shift]
     }
 
+    /// Whether the error may be more than twice the estimate.
+    pub(super) fn is_vague(&self) -> bool {
+        let [_, upper] = self.interval();
+        self.rel_mse < 0.5 * upper
+    }
+
+    /// The mean of two independent estimates.
+    fn mean_with(self, other: ErrorEstimate) -> ErrorEstimate {
+        let sum = self.plus(other);
+        ErrorEstimate {
+            rel_mse: 0.5 * sum.rel_mse,
+            standard_error: 0.5 * sum.standard_error,
+        }
+    }
+
     /// The sum of two independent parts of an error.
     pub(super) fn plus(self, other: ErrorEstimate) -> ErrorEstimate {
         ErrorEstimate {
@@ -56,6 +71,15 @@ pub struct FrameErrorEstimate {
 }
 
 impl FrameErrorEstimate {
+    /// The mean of two independent estimates.
+    pub(super) fn mean_with(self, other: FrameErrorEstimate) -> FrameErrorEstimate {
+        FrameErrorEstimate {
+            whole: self.whole.mean_with(other.whole),
+            worst_block: 0.5 * (self.worst_block + other.worst_block),
+            blurred: 0.5 * (self.blurred + other.blurred),
+        }
+    }
+
     /// With the error of the irradiance cache.
     pub(super) fn plus_cache(self, cache: ErrorEstimate) -> FrameErrorEstimate {
         FrameErrorEstimate {

@@ -8,11 +8,14 @@
 //! The rest is the error against filtered samples, without the noise of textures; half buffers know it.
 
 use super::block::Block;
+use super::effort::Effort;
 use super::error_estimate::{ErrorEstimate, FrameErrorEstimate};
 use super::half_buffer_error::HalfBufferError;
 use super::held_out::{HeldOutPixel, hold_out};
 use super::picture::Picture;
-use super::sampler::{QuadrantSums, SampleRun, Sampler, Sequence, Work};
+use super::question::{Part, Question, answers};
+use super::sampler::{Sampler, Work};
+use super::squared_error::SquaredError;
 use crate::metrics::mean;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -23,25 +26,8 @@ const WORST_BLOCKS: usize = 2;
 /// ... and the least number of samples of each estimate of their pixels: the largest of noisy errors is too large.
 const LEAST_SAMPLES_OF_WORST: u32 = 4;
 
-/// The least number of samples of each estimate of what filters of textures change: the product of the noise of two is
-/// larger than the square of the change where they are few.
-const LEAST_SAMPLES_OF_FILTER: u32 = 8;
-
-/// The fraction of a picture's samples that each part of the error takes beside, ...
-const FRACTION: f64 = 0.012;
-
-/// ... the fraction once a picture is refined: what an interval of half the width takes more, it saves in samples, as its
-/// upper bound ends a frame, ...
-const FRACTION_OF_REFINED: f64 = 0.03;
-
-/// ... and the least number of samples: the larger one where it is less than half of the picture's.
-const LEAST_SAMPLES: [f64; 2] = [2048.0, 16384.0];
-
 /// How often a pixel is asked for each time that it is chosen: the differences are the noise of the answers.
 const ANSWERS: u32 = 2;
-
-/// Questions that are answered together.
-const CHUNK: usize = 32;
 
 /// Estimates the error of a picture, by what is known of it.
 pub(super) struct ErrorEstimator<'a> {
@@ -53,25 +39,6 @@ pub(super) struct ErrorEstimator<'a> {
     pub(super) has_fixed_positions: bool,
     /// Whether samples filter textures, so that their mean may differ from the unfiltered one.
     pub(super) has_textures: bool,
-}
-
-/// How much an estimate takes.
-#[derive(Clone, Copy)]
-pub(super) struct Effort {
-    /// How often the error of this frame was estimated before: tells independent estimates apart.
-    pub(super) round: u32,
-    /// Whether the picture is refined.
-    pub(super) is_refined: bool,
-    /// Times as many samples as usual.
-    pub(super) times: f64,
-}
-
-impl Effort {
-    pub(super) const FIRST: Effort = Effort {
-        round: 0,
-        is_refined: false,
-        times: 1.0,
-    };
 }
 
 /// How many samples the pixels of a picture have, or each of its half buffers.
@@ -92,31 +59,12 @@ impl PixelSamples<'_> {
     }
 }
 
-/// What of an error is estimated together.
-#[derive(Clone, Copy, PartialEq)]
-enum Part {
-    /// All of it.
-    All,
-    /// What more samples with the same filters of textures would change.
-    Samples,
-    /// What these filters change on average.
-    Filter,
-}
-
-impl Part {
-    /// Its random numbers are other ones than those of other parts, and of other rounds.
-    fn round(self, round: u32) -> u32 {
-        2 * round + u32::from(self == Part::Filter)
-    }
-}
-
-/// What of a pixel's error two estimates, of these samples each, shall tell.
-struct Question {
-    pixel: usize,
-    /// Tells the random numbers of answers apart.
-    answer: u32,
-    samples: u32,
-    part: Part,
+/// An estimate of a frame's error.
+pub(super) struct Estimate {
+    pub(super) error: FrameErrorEstimate,
+    pub(super) work: Work,
+    /// What makes another estimate know the error better; none if nothing does.
+    pub(super) more: Option<Effort>,
 }
 
 /// The pixels that are held out for one part.
@@ -127,9 +75,17 @@ struct HeldOut {
     partners: Vec<usize>,
 }
 
+/// A part of the error.
+struct PartOfError {
+    part: Part,
+    of_pixels: ErrorEstimate,
+    /// Of the means of blocks.
+    of_blocks: f64,
+}
+
 impl ErrorEstimator<'_> {
-    /// The error against what `sampler` converges to, and the work.
-    pub(super) fn estimate(&self, sampler: &Sampler, effort: Effort) -> (FrameErrorEstimate, Work) {
+    /// The error against what `sampler` converges to.
+    pub(super) fn estimate(&self, sampler: &Sampler, effort: Effort) -> Estimate {
         // They do not know what fixed positions are off by.
         let half_buffers = match self.has_fixed_positions {
             true => None,
@@ -140,42 +96,51 @@ impl ErrorEstimator<'_> {
             .map(|&part| self.hold_out(part, sampler, effort))
             .collect();
         let worst_blocks = self.worst_blocks(half_buffers.as_ref());
-        let mut questions = Vec::new();
-        parts.iter().for_each(|part| self.ask(part, &mut questions));
-        questions.extend(worst_blocks.iter().flat_map(Block::pixels).map(|pixel| {
-            let count = self.samples_of_estimate(pixel, Part::All);
+        let of_parts = parts.iter().flat_map(|part| self.ask(part, effort));
+        let of_worst = worst_blocks.iter().flat_map(Block::pixels).map(|pixel| {
+            let question = self.question(Part::All, pixel, 0, effort);
             Question {
-                pixel,
-                answer: 0,
-                samples: count.max(LEAST_SAMPLES_OF_WORST),
-                part: Part::All,
+                samples: question.samples.max(LEAST_SAMPLES_OF_WORST),
+                ..question
             }
-        }));
-        let (errors, work) = self.errors(&questions, sampler, effort.round);
-        let mut errors = errors.into_iter();
-        let of_half_buffers = half_buffers.as_ref().map(HalfBufferError::estimate);
-        let mut whole = of_half_buffers.unwrap_or(ErrorEstimate::NONE);
-        let mut blurred = half_buffers.as_ref().map_or(0.0, HalfBufferError::blurred);
-        for part in &parts {
-            let (of_pixels, of_blocks) = self.of_part(part, &mut errors);
-            whole = whole.plus(of_pixels);
-            blurred += of_blocks;
-        }
-        let of_worst = worst_blocks.iter().map(|block| {
-            let squares = block.pixels().zip(&mut errors);
-            let squares =
-                squares.map(|(pixel, error)| product(error, self.inverse_normaliser(pixel)[0]));
-            mean(&squares.collect::<Vec<f64>>())
         });
-        let estimate = FrameErrorEstimate {
-            worst_block: of_worst.fold(0.0, f64::max),
-            whole: ErrorEstimate {
-                rel_mse: whole.rel_mse.max(0.0),
-                ..whole
+        let questions: Vec<Question> = of_parts.chain(of_worst).collect();
+        let (answers, work) = answers(&questions, self.picture, sampler, effort.round);
+        let mut answers = answers.into_iter();
+        let mut next = || answers.next().expect("one for each question");
+        let parts = parts
+            .iter()
+            .map(|held_out| self.of_part(held_out, &mut next));
+        let parts: Vec<PartOfError> = parts.collect();
+        let of_worst = worst_blocks.iter().map(|block| {
+            let square = |pixel| SquaredError::of(&[next()], self.inverse_normaliser(pixel)).value;
+            mean(&block.pixels().map(square).collect::<Vec<f64>>())
+        });
+        let worst_block = of_worst.fold(0.0, f64::max);
+        let of_half_buffers = half_buffers.as_ref().map(HalfBufferError::estimate);
+        let of_half_buffers = of_half_buffers.unwrap_or(ErrorEstimate::NONE);
+        let of_parts = parts.iter().map(|part| part.of_pixels);
+        let whole = of_parts.fold(of_half_buffers, ErrorEstimate::plus);
+        let blurred = half_buffers.as_ref().map_or(0.0, HalfBufferError::blurred)
+            + parts.iter().map(|part| part.of_blocks).sum::<f64>();
+        let vaguest = parts.iter().max_by(|a, b| {
+            let [a, b] = [a, b].map(|part| part.of_pixels.standard_error);
+            a.total_cmp(&b)
+        });
+        let vaguest =
+            vaguest.filter(|part| part.of_pixels.standard_error > of_half_buffers.standard_error);
+        Estimate {
+            error: FrameErrorEstimate {
+                whole: ErrorEstimate {
+                    rel_mse: whole.rel_mse.max(0.0),
+                    ..whole
+                },
+                worst_block,
+                blurred: blurred.max(0.0),
             },
-            blurred: blurred.max(0.0),
-        };
-        (estimate, work)
+            work,
+            more: vaguest.and_then(|part| effort.with_more(part.part)),
+        }
     }
 
     /// The parts of which nothing is known.
@@ -191,26 +156,22 @@ impl ErrorEstimator<'_> {
 
     /// Chooses pixels for about the samples that a part may take.
     fn hold_out(&self, part: Part, sampler: &Sampler, effort: Effort) -> HeldOut {
+        let cost =
+            |pixel: usize| part.runs() * effort.samples_of_estimate(part, self.samples.of(pixel));
         let pixels = self.expected_errors.par_iter().enumerate();
         let weights = pixels.map(|(pixel, expected)| {
             // Of the least error for a given cost.
-            let weight = expected / (self.cost(pixel, part) as f32).sqrt();
+            let weight = expected / (cost(pixel) as f32).sqrt();
             // The squares of very bright radiance overflow.
             weight.min(f32::MAX)
         });
         let weights: Vec<f32> = weights.collect();
         let halves = if self.has_halves() { 2.0 } else { 1.0 };
         let samples = (0..weights.len()).map(|pixel| f64::from(self.samples.of(pixel)));
-        let fraction = match effort.is_refined {
-            false => FRACTION,
-            true => FRACTION_OF_REFINED,
-        };
-        let samples: f64 = halves * samples.sum::<f64>();
-        let [least, more] = LEAST_SAMPLES;
-        let budget = effort.times * (fraction * samples).max((0.5 * samples).clamp(least, more));
+        let budget = effort.budget(part, halves * samples.sum::<f64>());
         let has_partners = self.has_fixed_positions;
         let pixels = if has_partners { 2 } else { 1 };
-        let cost = |pixel: usize| f64::from(pixels * ANSWERS * self.cost(pixel, part));
+        let cost = |pixel: usize| f64::from(pixels * ANSWERS * cost(pixel));
         let random = sampler.frame_sequence(part.round(effort.round));
         let held_out = hold_out(&weights, cost, budget, random.sample_1d(0, 0));
         let choices = held_out
@@ -232,86 +193,68 @@ impl ErrorEstimator<'_> {
     }
 
     /// The questions of a part: of each choice, [`ANSWERS`] times, and of its partners.
-    fn ask(&self, held_out: &HeldOut, questions: &mut Vec<Question>) {
+    fn ask(&self, held_out: &HeldOut, effort: Effort) -> Vec<Question> {
         let part = held_out.part;
         let mut partners = held_out.partners.iter();
+        let mut questions = Vec::new();
         for of in &held_out.pixels {
-            let count = self.samples_of_estimate(of.pixel, part);
             for answer in 0..of.times * ANSWERS {
-                questions.push(Question {
-                    pixel: of.pixel,
-                    answer,
-                    samples: count,
-                    part,
-                });
-                questions.extend(partners.next().map(|&pixel| Question {
-                    pixel,
-                    answer: 0,
-                    samples: self.samples_of_estimate(pixel, part),
-                    part,
-                }));
+                questions.push(self.question(part, of.pixel, answer, effort));
+                let partner = partners.next();
+                questions.extend(partner.map(|&pixel| self.question(part, pixel, 0, effort)));
             }
         }
+        questions
     }
 
-    /// A part of the error of pixels, and of blocks' means, from the answers to its questions.
+    /// A part of the error, from the answers to its questions.
     ///
-    /// All answers of a pixel make one pair of estimates A and B, with the noise that the jackknife finds between them. The
-    /// variance is that of the noise and, of pixels that were not certain to be chosen, of the choice (Horvitz and Thompson
-    /// 1952, "A Generalization of Sampling Without Replacement"); the radiance that errors are relative to adds its own.
-    fn of_part(
-        &self,
-        held_out: &HeldOut,
-        errors: &mut impl Iterator<Item = [DVec3; 2]>,
-    ) -> (ErrorEstimate, f64) {
-        let mut next = || errors.next().expect("one for each question");
-        let (mut choices, mut sum, mut variance) = (0.0, 0.0, 0.0);
+    /// The variance is that of the noise of answers and, of pixels that were not certain to be chosen, of the choice
+    /// (Horvitz and Thompson 1952, "A Generalization of Sampling Without Replacement"); the radiance that errors are relative
+    /// to adds its own.
+    fn of_part(&self, held_out: &HeldOut, next: &mut impl FnMut() -> [DVec3; 2]) -> PartOfError {
+        let (mut choices, mut sum, mut variance, mut noise) = (0.0, 0.0, 0.0, 0.0_f64);
         let mut of_blocks = Vec::new();
         for of in &held_out.pixels {
-            let inverse = self.inverse_normaliser(of.pixel);
-            let relative = |error| inverse.map(|inverse| product(error, inverse) / of.density);
-            let (mut sums, mut answers) = ([DVec3::ZERO; 2], Vec::new());
+            let mut pairs = Vec::new();
             for _ in 0..of.times * ANSWERS {
-                let [a, b] = next();
-                sums = [sums[0] + a, sums[1] + b];
-                answers.push([a, b]);
+                let pair = next();
+                pairs.push(pair);
                 if !held_out.partners.is_empty() {
-                    let [c, d] = next();
-                    let block = self.block(of.pixel);
-                    let count = block.len() as f64;
-                    let sum = a * b + (count - 1.0) * 0.5 * (a * d + b * c);
-                    let square = sum * self.picture.inverse_normaliser_of(&block);
-                    of_blocks.push(square.element_sum() / 3.0 / count / of.density);
+                    of_blocks.push(self.of_block(of.pixel, pair, next()) / of.density);
                 }
             }
-            let count = answers.len() as f64;
-            let means = sums.map(|sum| sum / count);
-            let [value, deviation] = relative(means);
-            // The noise of A times that of B counts twice in the jackknife's squares.
-            let square = |answer: &[DVec3; 2]| {
-                let off = [0, 1].map(|i| (answer[i] - means[i]) / (count - 1.0));
-                let [without, _] = relative([0, 1].map(|i| means[i] - off[i]));
-                let [of_both, _] = relative(off);
-                let square = (without - value).powi(2) - (count - 1.0) * of_both.powi(2);
-                (count - 1.0) * square
-            };
-            let noise = answers.iter().map(square).sum::<f64>().max(0.0) / count;
+            let error = SquaredError::of(&pairs, self.inverse_normaliser(of.pixel));
             let times = f64::from(of.times);
+            let weight = times / of.density;
             choices += times;
-            sum += times * value;
-            variance += of.chance * times.powi(2) * noise + (1.0 - of.chance) * value.powi(2);
-            variance += (times * deviation).powi(2);
+            sum += weight * error.value;
+            let of_choice = (1.0 - of.chance) * (error.value / of.density).powi(2);
+            noise += of.chance * weight.powi(2) * error.noise;
+            variance += of_choice + (weight * error.deviation).powi(2);
         }
         let of_pixels = ErrorEstimate {
             rel_mse: sum / choices,
-            standard_error: variance.sqrt() / choices,
+            standard_error: (variance + noise.max(0.0)).sqrt() / choices,
         };
-        let of_blocks = match held_out.partners.is_empty() {
-            // The errors of pixels are independent of each other.
-            true => of_pixels.rel_mse / 64.0,
-            false => mean(&of_blocks),
-        };
-        (of_pixels, of_blocks)
+        PartOfError {
+            part: held_out.part,
+            of_pixels,
+            of_blocks: match of_blocks.is_empty() {
+                // The errors of pixels are independent of each other.
+                true => of_pixels.rel_mse / 64.0,
+                false => mean(&of_blocks),
+            },
+        }
+    }
+
+    /// The squared error of the mean of a block, by estimates of the errors of a pixel and of its partner.
+    fn of_block(&self, pixel: usize, [a, b]: [DVec3; 2], [c, d]: [DVec3; 2]) -> f64 {
+        let block = self.block(pixel);
+        let count = block.len() as f64;
+        let sum = a * b + (count - 1.0) * 0.5 * (a * d + b * c);
+        let square = sum * self.picture.inverse_normaliser_of(&block);
+        square.element_sum() / 3.0 / count
     }
 
     /// What the product of two estimates of a pixel's error is relative to, inverted, and its standard deviation.
@@ -338,90 +281,16 @@ impl ErrorEstimator<'_> {
         worst.into_iter().map(|(_, block)| block).collect()
     }
 
-    /// How many samples it takes to answer a question.
-    fn cost(&self, pixel: usize, part: Part) -> u32 {
-        let runs = match part {
-            Part::Filter => 4,
-            Part::All | Part::Samples => 2,
-        };
-        runs * self.samples_of_estimate(pixel, part)
-    }
-
-    /// How many samples each of the two estimates of a pixel has: as many as the pixel or its half buffer, or more.
-    fn samples_of_estimate(&self, pixel: usize, part: Part) -> u32 {
-        let least = match part {
-            Part::Filter => LEAST_SAMPLES_OF_FILTER,
-            Part::All | Part::Samples => 1,
-        };
-        self.samples.of(pixel).max(least)
-    }
-
-    /// Two independent estimates of each error, not squared.
-    fn errors(
-        &self,
-        questions: &[Question],
-        sampler: &Sampler,
-        round: u32,
-    ) -> (Vec<[DVec3; 2]>, Work) {
-        let chunks = questions.par_chunks(CHUNK).map(|questions| {
-            let runs = questions.iter().flat_map(|of| self.runs(of, round));
-            let runs: Vec<SampleRun> = runs.collect();
-            let mut work = Work::default();
-            let sums = sampler.sums(&runs, &mut work);
-            let mut means = sums.iter().map(QuadrantSums::mean);
-            let mut next = || [0, 1].map(|_| means.next().expect("one for each run"));
-            let errors = questions.iter().map(|of| {
-                let estimates = next();
-                let values = match of.part {
-                    Part::All | Part::Samples => [self.picture.value(of.pixel); 2],
-                    Part::Filter => next(),
-                };
-                [0, 1].map(|i| values[i] - estimates[i])
-            });
-            (errors.collect::<Vec<_>>(), work)
-        });
-        let chunks: Vec<_> = chunks.collect();
-        let mut all = Work::default();
-        let mut errors = Vec::with_capacity(questions.len());
-        for (of_chunk, work) in chunks {
-            all.query_state.rays += work.query_state.rays;
-            all.non_finite += work.non_finite;
-            errors.extend(of_chunk);
-        }
-        (errors, all)
-    }
-
-    /// The samples that answer a question: two estimates; of filters the same samples again, filtered, so that what else
-    /// is random cancels.
-    fn runs(&self, of: &Question, round: u32) -> impl Iterator<Item = SampleRun> {
-        let width = self.picture.width();
-        let point = ((of.pixel % width) as u32, (of.pixel / width) as u32);
-        let filtered_as = self.samples.of(of.pixel);
-        let filters = match of.part {
-            Part::All => vec![0],
-            Part::Samples => vec![filtered_as],
-            Part::Filter => vec![0, filtered_as],
-        };
-        let &Question {
-            answer,
-            samples,
+    /// A question about a pixel.
+    fn question(&self, part: Part, pixel: usize, answer: u32, effort: Effort) -> Question {
+        let filtered_as = self.samples.of(pixel);
+        Question {
             part,
-            ..
-        } = of;
-        let round = part.round(round);
-        filters.into_iter().flat_map(move |filtered_as| {
-            [0, 1].map(|estimate| SampleRun {
-                point,
-                sequence: Sequence::HeldOut {
-                    estimate,
-                    round,
-                    answer,
-                    filtered_as,
-                },
-                first: 0,
-                end: samples,
-            })
-        })
+            pixel,
+            answer,
+            samples: effort.samples_of_estimate(part, filtered_as),
+            filtered_as,
+        }
     }
 
     fn has_halves(&self) -> bool {
@@ -431,9 +300,4 @@ impl ErrorEstimator<'_> {
     fn block(&self, pixel: usize) -> Block {
         Block::of(pixel, self.picture.width(), self.picture.height())
     }
-}
-
-/// The product of two estimates of an error, relative to the radiance.
-fn product([a, b]: [DVec3; 2], inverse_normaliser: DVec3) -> f64 {
-    (a * b * inverse_normaliser).element_sum() / 3.0
 }

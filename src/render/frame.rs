@@ -2,8 +2,9 @@
 
 use super::accumulator::SampleAccumulator;
 use super::adaptive::Survey;
-use super::error_estimate::FrameErrorEstimate;
-use super::error_estimator::{Effort, ErrorEstimator, PixelSamples};
+use super::effort::Effort;
+use super::error_estimate::{ErrorEstimate, FrameErrorEstimate};
+use super::error_estimator::{ErrorEstimator, Estimate, PixelSamples};
 use super::grid::{Grid, average_corners};
 use super::observer::{NoObserver, RenderObserver};
 use super::picture::Picture;
@@ -119,12 +120,13 @@ impl Renderer<'_> {
             None => {
                 let picture = self.picture(&samples);
                 let expected_errors = picture.contrasts();
-                let error = self.error(
+                let error = self.estimate(
                     &mut samples,
                     &picture,
                     &expected_errors,
                     &sampler,
-                    Effort::FIRST,
+                    &mut Effort::first(),
+                    |error| !error.is_vague(),
                 );
                 (picture, expected_errors, error)
             }
@@ -152,19 +154,16 @@ impl Renderer<'_> {
     ) -> Option<(Picture, Vec<f32>, FrameErrorEstimate)> {
         /// The part of the target that the upper bound of the error shall take.
         const AIM: f64 = 0.9;
-        /// A pass that leaves more than this part of the error that was there before has stalled, ...
+        /// A pass that leaves more than this part of the error that was there before has stalled: those after it aim at this
+        /// part of the error that they would aim at, ...
         const STALLED: f64 = 0.9;
+        const AFTER_STALLED: f64 = 0.7;
         /// ... and a frame is given as it is after so many of them: more samples of the same kind do not help it.
-        const MOST_STALLED: u32 = 3;
-        /// Where the interval alone is above the target, or far above the error, held-out pixels take so many times more
-        /// samples, ...
-        const MORE: f64 = 4.0;
-        /// ... up to so many times as many as at first.
-        const MOST: f64 = 16.0;
+        const MOST_STALLED: i32 = 6;
         let settings = &self.settings;
         let (width, display_white) = (settings.width as usize, settings.display_white);
         let (mut before, mut stalled) = (f64::INFINITY, 0);
-        let mut effort = Effort::FIRST;
+        let mut effort = Effort::first();
         loop {
             if observer.is_stopped() {
                 return None;
@@ -172,25 +171,30 @@ impl Renderer<'_> {
             let survey = Survey::new(samples, width, display_white, settings.is_noisy());
             let picture = self.picture(samples);
             let expected_errors = survey.expected_errors(&samples.counts, &picture.contrasts());
-            let (error, upper, known) = loop {
-                let error = self.error(samples, &picture, &expected_errors, sampler, effort);
-                effort.round += 1;
-                let [_, upper] = error.whole.interval();
-                // As far as it is known: not more than twice the estimate.
-                let known = upper.min(2.0 * error.whole.rel_mse);
-                let is_vague = error.whole.rel_mse < AIM * target || known < upper;
-                if upper <= target || !is_vague || effort.times >= MOST {
-                    break (error, upper, known);
-                }
-                effort.times *= MORE;
+            let mut estimate = |is_enough: &dyn Fn(&ErrorEstimate) -> bool| {
+                let errors = &expected_errors;
+                self.estimate(samples, &picture, errors, sampler, &mut effort, is_enough)
             };
-            stalled += u32::from(upper > STALLED * before);
+            let is_reached = |error: &ErrorEstimate| error.interval()[1] <= target;
+            // Not if the interval alone is above the target, or far above the error.
+            let is_enough = |error: &ErrorEstimate| {
+                is_reached(error) || error.rel_mse >= AIM * target && !error.is_vague()
+            };
+            let mut error = estimate(&is_enough);
+            if is_reached(&error.whole) {
+                // Too low estimates end frames: one that has decided nothing mends half of that.
+                error = error.mean_with(estimate(&|_| true));
+            }
+            let [_, upper] = error.whole.interval();
+            stalled += i32::from(upper > STALLED * before);
             before = upper;
             if upper <= target || stalled == MOST_STALLED {
                 return Some((picture, expected_errors, error));
             }
+            // As far as it is known: not more than twice the estimate.
+            let known = upper.min(2.0 * error.whole.rel_mse);
             // One decision for all pixels, on which a single pixel has next to no influence.
-            let fraction = AIM * target / known.max(target);
+            let fraction = AIM * target / known.max(target) * AFTER_STALLED.powi(stalled);
             match survey.next_counts(&samples.counts, fraction, sampler.most()) {
                 Some(next) => samples.refine(grid, sampler, |index| next[index], observer),
                 None => return Some((picture, expected_errors, error)),
@@ -199,14 +203,15 @@ impl Renderer<'_> {
         }
     }
 
-    /// The error of a picture of all samples so far.
-    fn error(
+    /// Estimates the error of a picture of all samples so far: until it `is_enough`, or no effort tells more.
+    fn estimate(
         &self,
         samples: &mut SampleAccumulator,
         picture: &Picture,
         expected_errors: &[f32],
         sampler: &Sampler,
-        effort: Effort,
+        effort: &mut Effort,
+        is_enough: impl Fn(&ErrorEstimate) -> bool,
     ) -> FrameErrorEstimate {
         let has_fixed_positions = matches!(
             self.settings.sampling,
@@ -222,10 +227,19 @@ impl Renderer<'_> {
             has_fixed_positions,
             has_textures: !self.scene().textures().is_empty(),
         };
-        let (error, work) = estimator.estimate(&sampler.of_whole_pixels(), effort);
-        samples.rays += work.query_state.rays;
-        samples.non_finite += work.non_finite;
-        error
+        let sampler = sampler.of_whole_pixels();
+        loop {
+            let Estimate { error, work, more } = estimator.estimate(&sampler, *effort);
+            samples.rays += work.query_state.rays;
+            samples.non_finite += work.non_finite;
+            match more {
+                Some(more) if !is_enough(&error.whole) => *effort = more,
+                _ => {
+                    effort.round += 1;
+                    return error;
+                }
+            }
+        }
     }
 
     /// The picture of all samples so far.

@@ -18,6 +18,7 @@
 mod accumulator;
 mod adaptive;
 mod block;
+mod effort;
 mod error_estimate;
 mod error_estimator;
 mod flicker;
@@ -28,6 +29,7 @@ mod held_out;
 mod observer;
 mod picture;
 mod pixels;
+mod question;
 mod renderer;
 mod reprojection;
 mod sampler;
@@ -35,6 +37,7 @@ mod sequence;
 mod settings;
 mod sink;
 mod sink_error;
+mod squared_error;
 
 pub use error_estimate::{ErrorEstimate, FrameErrorEstimate};
 pub use flicker::Flicker;

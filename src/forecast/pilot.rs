@@ -65,7 +65,9 @@ pub struct PilotFrame {
 
 impl Pilot {
     /// Renders frames at a size at which they take no more than they are worth. Where that is smaller than the
-    /// sequence's, their bytes go on growing as they did from half of that size.
+    /// sequence's, their bytes go on growing as they did from half of that size. The more pixels, the fewer of them have an
+    /// edge: the seconds of adaptive frames grow by less than the pixels, but by more than they did where estimates of the
+    /// error, which take a least number of samples, were most of a frame.
     pub fn run(workload: &Workload) -> Pilot {
         let renderer = &workload.renderer;
         let settings = renderer.settings();
@@ -83,7 +85,8 @@ impl Pilot {
         // What is used for the first time takes longer.
         measure(halvings);
         let mut frames = measure(halvings);
-        let mut growth = 1.0;
+        // The powers of the number of pixels that seconds and bytes grow with.
+        let mut growth = [1.0; 2];
         while halvings > 0 {
             let seconds = sum(&frames, |frame| frame.seconds);
             let of_sequence = all * seconds * pixels_more(settings, halvings);
@@ -92,15 +95,25 @@ impl Pilot {
             }
             let step = pixels_more(settings, halvings) / pixels_more(settings, halvings - 1);
             let larger = measure(halvings - 1);
-            let [before, now] = [&frames, &larger].map(|frames| sum(frames, |frame| frame.bytes));
-            growth = (now / before).ln() / step.ln();
+            let values: [fn(&PilotFrame) -> f64; 2] = [|frame| frame.seconds, |frame| frame.bytes];
+            growth = values.map(|value| {
+                let [before, now] = [&frames, &larger].map(|frames| sum(frames, value));
+                (now / before).ln() / step.ln()
+            });
             frames = larger;
             halvings -= 1;
         }
         let pixels = pixels_more(settings, halvings);
-        let doubt_of_seconds = COHERENCE * f64::from(halvings);
-        let more_seconds = pixels * (1.0 - doubt_of_seconds);
-        let more_bytes = pixels.powf(growth);
+        let [more_seconds, more_bytes] = growth.map(|growth| pixels.powf(growth));
+        let doubt_of = |more: f64| 0.5 * (more / pixels).ln().abs();
+        let coherence = COHERENCE * f64::from(halvings);
+        let (more_seconds, doubt_of_seconds) = match settings.is_adaptive() {
+            true => {
+                let between = (pixels * more_seconds).sqrt();
+                (between, 2.0 * doubt_of(between) + coherence)
+            }
+            false => (pixels * (1.0 - coherence), coherence),
+        };
         for frame in &mut frames {
             frame.seconds *= more_seconds;
             frame.bytes *= more_bytes;
@@ -108,7 +121,7 @@ impl Pilot {
         Pilot {
             frames,
             doubt_of_seconds,
-            doubt_of_bytes: 0.5 * (more_bytes / pixels).ln().abs() + GRAIN * f64::from(halvings),
+            doubt_of_bytes: doubt_of(more_bytes) + GRAIN * f64::from(halvings),
         }
     }
 }

@@ -60,7 +60,7 @@ impl SequenceProgress {
         interrupt.wait_to_be_asked();
         let frames = frames as u64;
         // How many samples an adaptive frame will need is not known: it counts as a whole.
-        let steps_are_frames = settings.target_error.is_some();
+        let steps_are_frames = settings.is_adaptive();
         let steps_per_frame = match steps_are_frames {
             true => 1,
             false => tile_count(settings),
@@ -238,7 +238,8 @@ fn bar(steps: u64, quiet: bool) -> ProgressBar {
 
 /// The time that is left at the average speed so far.
 fn remaining(elapsed: Duration, done: f64) -> Option<Duration> {
-    (done > 0.0).then(|| elapsed.mul_f64((1.0 - done) / done))
+    // The sum of parts may round to more than the whole.
+    (done > 0.0).then(|| elapsed.mul_f64((1.0 - done).max(0.0) / done))
 }
 
 /// Rays per second.
@@ -267,6 +268,7 @@ mod tests {
         let minute = Duration::from_secs(60);
         assert_eq!(remaining(minute, 0.25), Some(Duration::from_secs(180)));
         assert_eq!(remaining(minute, 1.0), Some(Duration::ZERO));
+        assert_eq!(remaining(minute, 1.000_001), Some(Duration::ZERO));
         assert_eq!(remaining(minute, 0.0), None);
     }
 

@@ -1,5 +1,6 @@
 //! The program's exit status, messages and files: `render`, `check`, `quote` and `selftest`.
 
+use crate::support::project::Project;
 use crate::support::*;
 use std::fs;
 use std::path::Path;
@@ -23,6 +24,27 @@ fn render_small(scene: &str, path: &str, out: &Path, more: &[&str]) -> (Option<i
     arguments.extend(more);
     let output = flythrough(&arguments);
     (output.status.code(), stderr(&output))
+}
+
+/// Of frames that take one pass over their tiles, and several; the second time some are there.
+#[test]
+fn progress_ends_with_all_frames() {
+    for mode in ["raytracing", "supersampling", "montecarlo"] {
+        let project = Project::new();
+        for frames in ["0-3", "0-8"] {
+            let more = ["--mode", mode, "--frames", frames, "--size", "40x30"];
+            let progress = ["--progress", "openjd"];
+            let output = project.run("render", &[&more[..], &progress].concat());
+            assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+            let lines = String::from_utf8(output.stdout).unwrap();
+            let told = lines
+                .lines()
+                .filter_map(|line| line.strip_prefix("openjd_progress: "));
+            let told: Vec<f64> = told.map(|percent| percent.parse().unwrap()).collect();
+            assert!(told.is_sorted(), "{mode}: {told:?}");
+            assert_eq!(told.last(), Some(&100.0), "{mode}: {told:?}");
+        }
+    }
 }
 
 /// A reader that closes the pipe early, as `head` does, is no error.

@@ -5,9 +5,9 @@ use super::question::Part;
 /// The fraction of a picture's samples that each part of its error takes beside, ...
 const FRACTION: f64 = 0.012;
 
-/// ... the fraction once a picture is refined: what an interval of half the width takes more, it saves in samples, as its
-/// upper bound ends a frame, ...
-const FRACTION_OF_REFINED: f64 = 0.03;
+/// ... the fraction of later estimates of a frame: what an interval of half the width takes more, it saves in samples, as
+/// its upper bound ends a frame, ...
+const FRACTION_OF_LATER: f64 = 0.03;
 
 /// ... and the least number of samples: the larger one where it is less than half of the picture's.
 const LEAST_SAMPLES: [f64; 2] = [2048.0, 16384.0];
@@ -28,27 +28,24 @@ const MOST: u32 = 4;
 pub(super) struct Effort {
     /// How often the error of this frame was estimated before: tells independent estimates apart.
     pub(super) round: u32,
-    /// Whether the picture is refined.
-    pub(super) is_refined: bool,
     /// How many times more pixels, and samples of each of their estimates, than at first each [`Part`] takes.
     times: [u32; 3],
 }
 
 impl Effort {
-    /// For the first estimate.
-    pub(super) fn first() -> Effort {
+    /// For an estimate after so many others of this frame.
+    pub(super) fn after(round: u32) -> Effort {
         Effort {
-            round: 0,
-            is_refined: false,
+            round,
             times: [1; 3],
         }
     }
 
     /// About how many samples a part takes, of a picture of so many.
     pub(super) fn budget(&self, part: Part, samples: f64) -> f64 {
-        let fraction = match self.is_refined {
-            false => FRACTION,
-            true => FRACTION_OF_REFINED,
+        let fraction = match self.round {
+            0 => FRACTION,
+            _ => FRACTION_OF_LATER,
         };
         let [least, more] = LEAST_SAMPLES;
         let usual = (fraction * samples).max((0.5 * samples).clamp(least, more));

@@ -36,15 +36,6 @@ impl ErrorEstimate {
         self.rel_mse < 0.5 * upper
     }
 
-    /// The mean of two independent estimates.
-    fn mean_with(self, other: ErrorEstimate) -> ErrorEstimate {
-        let sum = self.plus(other);
-        ErrorEstimate {
-            rel_mse: 0.5 * sum.rel_mse,
-            standard_error: 0.5 * sum.standard_error,
-        }
-    }
-
     /// The sum of two independent parts of an error.
     pub(super) fn plus(self, other: ErrorEstimate) -> ErrorEstimate {
         ErrorEstimate {
@@ -71,14 +62,12 @@ pub struct FrameErrorEstimate {
 }
 
 impl FrameErrorEstimate {
-    /// The mean of two independent estimates.
-    pub(super) fn mean_with(self, other: FrameErrorEstimate) -> FrameErrorEstimate {
-        FrameErrorEstimate {
-            whole: self.whole.mean_with(other.whole),
-            worst_block: 0.5 * (self.worst_block + other.worst_block),
-            blurred: 0.5 * (self.blurred + other.blurred),
-        }
-    }
+    /// No error.
+    pub(super) const NONE: FrameErrorEstimate = FrameErrorEstimate {
+        whole: ErrorEstimate::NONE,
+        worst_block: 0.0,
+        blurred: 0.0,
+    };
 
     /// With the error of the irradiance cache.
     pub(super) fn plus_cache(self, cache: ErrorEstimate) -> FrameErrorEstimate {
@@ -87,5 +76,112 @@ impl FrameErrorEstimate {
             worst_block: self.worst_block + cache.rel_mse,
             blurred: self.blurred + cache.rel_mse,
         }
+    }
+}
+
+/// Estimates of the error of one picture: the part that its half buffers know, and independent estimates of the rest.
+#[derive(Debug)]
+pub(super) struct ErrorEstimates {
+    of_half_buffers: FrameErrorEstimate,
+    weights: f64,
+    rel_mse: f64,
+    variance: f64,
+    worst_block: f64,
+    blurred: f64,
+}
+
+impl ErrorEstimates {
+    /// None.
+    pub(super) const NONE: ErrorEstimates = ErrorEstimates {
+        of_half_buffers: FrameErrorEstimate::NONE,
+        weights: 0.0,
+        rel_mse: 0.0,
+        variance: 0.0,
+        worst_block: 0.0,
+        blurred: 0.0,
+    };
+
+    /// Adds an estimate of the rest, which may be below 0, with a weight that does not depend on its value; what the half
+    /// buffers know is the same each time.
+    pub(super) fn add(
+        &mut self,
+        of_half_buffers: FrameErrorEstimate,
+        rest: FrameErrorEstimate,
+        weight: f64,
+    ) {
+        self.of_half_buffers = of_half_buffers;
+        let whole = rest.whole;
+        self.weights += weight;
+        self.rel_mse += weight * whole.rel_mse;
+        self.variance += (weight * whole.standard_error).powi(2);
+        self.worst_block += weight * rest.worst_block;
+        self.blurred += weight * rest.blurred;
+    }
+
+    /// The weighted mean with what the half buffers know, but at least 0.
+    pub(super) fn mean(&self) -> FrameErrorEstimate {
+        let rest = ErrorEstimate {
+            rel_mse: self.rel_mse / self.weights,
+            standard_error: self.variance.sqrt() / self.weights,
+        };
+        let whole = self.of_half_buffers.whole.plus(rest);
+        let blurred = self.of_half_buffers.blurred + self.blurred / self.weights;
+        FrameErrorEstimate {
+            whole: ErrorEstimate {
+                rel_mse: whole.rel_mse.max(0.0),
+                ..whole
+            },
+            worst_block: self.worst_block / self.weights,
+            blurred: blurred.max(0.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn estimate(rel_mse: f64, standard_error: f64) -> FrameErrorEstimate {
+        FrameErrorEstimate {
+            whole: ErrorEstimate {
+                rel_mse,
+                standard_error,
+            },
+            worst_block: 4.0 * rel_mse.max(0.0),
+            blurred: 0.5 * rel_mse,
+        }
+    }
+
+    /// The weights that make the variance least are the inverse variances; what half buffers know counts once.
+    #[test]
+    fn estimates_of_one_picture_make_one() {
+        let of_half_buffers = estimate(3.0, 0.3);
+        let mut estimates = ErrorEstimates::NONE;
+        estimates.add(of_half_buffers, estimate(-1.0, 2.0), 1.0);
+        estimates.add(of_half_buffers, estimate(1.5, 1.0), 4.0);
+        let FrameErrorEstimate {
+            whole,
+            worst_block,
+            blurred,
+        } = estimates.mean();
+        assert!((whole.rel_mse - 4.0).abs() < 1e-12);
+        let of_rest = 1.0 / (1.0_f64 + 1.0 / 4.0);
+        assert!((whole.standard_error.powi(2) - 0.09 - of_rest).abs() < 1e-12);
+        assert!((worst_block - 4.8).abs() < 1e-12);
+        assert!((blurred - 2.0).abs() < 1e-12);
+        // Noise alone is no error below 0.
+        let mut estimates = ErrorEstimates::NONE;
+        estimates.add(FrameErrorEstimate::NONE, estimate(-1.0, 2.0), 1.0);
+        assert_eq!(estimates.mean().whole.rel_mse, 0.0);
+        assert_eq!(estimates.mean().blurred, 0.0);
+    }
+
+    #[test]
+    fn vague_estimates_may_be_half_of_the_error() {
+        let is_vague = |rel_mse, standard_error| estimate(rel_mse, standard_error).whole.is_vague();
+        assert!(!is_vague(0.0, 0.0));
+        assert!(is_vague(0.0, 1e-9));
+        assert!(is_vague(1.0, 0.5));
+        assert!(!is_vague(1.0, 0.3));
     }
 }

@@ -29,6 +29,9 @@ const LEAST_SAMPLES_OF_WORST: u32 = 4;
 /// How often a pixel is asked for each time that it is chosen: the differences are the noise of the answers.
 const ANSWERS: u32 = 2;
 
+/// The most that another estimate of an even picture takes, as a fraction of its samples.
+const MOST_OF_EVEN: f64 = 0.25;
+
 /// Estimates the error of a picture, by what is known of it.
 pub(super) struct ErrorEstimator<'a> {
     pub(super) picture: &'a Picture,
@@ -61,7 +64,10 @@ impl PixelSamples<'_> {
 
 /// An estimate of a frame's error.
 pub(super) struct Estimate {
-    pub(super) error: FrameErrorEstimate,
+    /// What the half buffers know; the same in all estimates of a picture.
+    pub(super) of_half_buffers: FrameErrorEstimate,
+    /// The rest, from held-out pixels: unbiased, so that it may be below 0.
+    pub(super) of_held_out: FrameErrorEstimate,
     pub(super) work: Work,
     /// What makes another estimate know the error better; none if nothing does.
     pub(super) more: Option<Effort>,
@@ -116,31 +122,53 @@ impl ErrorEstimator<'_> {
             let square = |pixel| SquaredError::of(&[next()], self.inverse_normaliser(pixel)).value;
             mean(&block.pixels().map(square).collect::<Vec<f64>>())
         });
-        let worst_block = of_worst.fold(0.0, f64::max);
-        let of_half_buffers = half_buffers.as_ref().map(HalfBufferError::estimate);
-        let of_half_buffers = of_half_buffers.unwrap_or(ErrorEstimate::NONE);
-        let of_parts = parts.iter().map(|part| part.of_pixels);
-        let whole = of_parts.fold(of_half_buffers, ErrorEstimate::plus);
-        let blurred = half_buffers.as_ref().map_or(0.0, HalfBufferError::blurred)
-            + parts.iter().map(|part| part.of_blocks).sum::<f64>();
+        let of_held_out = FrameErrorEstimate {
+            whole: parts
+                .iter()
+                .fold(ErrorEstimate::NONE, |sum, part| sum.plus(part.of_pixels)),
+            worst_block: of_worst.fold(0.0, f64::max),
+            blurred: parts.iter().map(|part| part.of_blocks).sum(),
+        };
+        let of_half_buffers = half_buffers.map_or(FrameErrorEstimate::NONE, |half_buffers| {
+            FrameErrorEstimate {
+                whole: half_buffers.estimate(),
+                blurred: half_buffers.blurred(),
+                ..FrameErrorEstimate::NONE
+            }
+        });
         let vaguest = parts.iter().max_by(|a, b| {
             let [a, b] = [a, b].map(|part| part.of_pixels.standard_error);
             a.total_cmp(&b)
         });
-        let vaguest =
-            vaguest.filter(|part| part.of_pixels.standard_error > of_half_buffers.standard_error);
+        let known = of_half_buffers.whole.standard_error;
+        let vaguest = vaguest.filter(|part| part.of_pixels.standard_error > known);
         Estimate {
-            error: FrameErrorEstimate {
-                whole: ErrorEstimate {
-                    rel_mse: whole.rel_mse.max(0.0),
-                    ..whole
-                },
-                worst_block,
-                blurred: blurred.max(0.0),
-            },
+            of_half_buffers,
+            of_held_out,
             work,
-            more: vaguest.and_then(|part| effort.with_more(part.part)),
+            more: vaguest.and_then(|part| self.more(part.part, effort)),
         }
+    }
+
+    /// The effort that knows more of a part; none where that takes too much.
+    fn more(&self, part: Part, effort: Effort) -> Option<Effort> {
+        let more = effort.with_more(part)?;
+        let is_worth_it = match self.samples {
+            PixelSamples::Even(_) => {
+                let samples = self.all_samples();
+                more.budget(part, samples) <= MOST_OF_EVEN * samples
+            }
+            // It may save more samples than it takes.
+            PixelSamples::Listed(_) => true,
+        };
+        is_worth_it.then_some(more)
+    }
+
+    /// How many samples the picture has.
+    fn all_samples(&self) -> f64 {
+        let halves = if self.has_halves() { 2.0 } else { 1.0 };
+        let samples = (0..self.expected_errors.len()).map(|pixel| self.samples.of(pixel));
+        halves * samples.map(f64::from).sum::<f64>()
     }
 
     /// The parts of which nothing is known.
@@ -166,9 +194,7 @@ impl ErrorEstimator<'_> {
             weight.min(f32::MAX)
         });
         let weights: Vec<f32> = weights.collect();
-        let halves = if self.has_halves() { 2.0 } else { 1.0 };
-        let samples = (0..weights.len()).map(|pixel| f64::from(self.samples.of(pixel)));
-        let budget = effort.budget(part, halves * samples.sum::<f64>());
+        let budget = effort.budget(part, self.all_samples());
         let has_partners = self.has_fixed_positions;
         let pixels = if has_partners { 2 } else { 1 };
         let cost = |pixel: usize| f64::from(pixels * ANSWERS * cost(pixel));

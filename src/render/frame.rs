@@ -3,7 +3,7 @@
 use super::accumulator::SampleAccumulator;
 use super::adaptive::Survey;
 use super::effort::Effort;
-use super::error_estimate::{ErrorEstimate, FrameErrorEstimate};
+use super::error_estimate::{ErrorEstimate, ErrorEstimates, FrameErrorEstimate};
 use super::error_estimator::{ErrorEstimator, Estimate, PixelSamples};
 use super::grid::{Grid, average_corners};
 use super::observer::{NoObserver, RenderObserver};
@@ -35,6 +35,24 @@ pub struct RenderedFrame {
     /// How many samples were not finite and were replaced by black. Only numbers near the limits of single precision in
     /// the scene, or a bug, make any.
     pub non_finite_samples: u64,
+}
+
+/// A picture, and what is known of its error.
+struct Pictured {
+    picture: Picture,
+    /// As [`RenderedFrame::expected_errors`].
+    expected_errors: Vec<f32>,
+    estimates: ErrorEstimates,
+}
+
+impl Pictured {
+    fn new(expected_errors: Vec<f32>, picture: Picture) -> Pictured {
+        Pictured {
+            picture,
+            expected_errors,
+            estimates: ErrorEstimates::NONE,
+        }
+    }
 }
 
 impl RenderedFrame {
@@ -114,23 +132,24 @@ impl Renderer<'_> {
         let cache_error = self.cache_errors.get(frame as usize).copied();
         let target = self.settings.target_of_samples(cache_error);
         samples.refine(grid, &sampler, |_| sampler.first, observer);
-        let (picture, expected_errors, error) = match target {
+        let pictured = match target {
             Some(target) => self.refined(&mut samples, grid, &sampler, target, observer)?,
             None if observer.is_stopped() => return None,
             None => {
                 let picture = self.picture(&samples);
-                let expected_errors = picture.contrasts();
-                let error = self.estimate(
-                    &mut samples,
-                    &picture,
-                    &expected_errors,
-                    &sampler,
-                    &mut Effort::first(),
-                    |error| !error.is_vague(),
-                );
-                (picture, expected_errors, error)
+                let mut pictured = Pictured::new(picture.contrasts(), picture);
+                self.estimate(&mut pictured, &mut samples, &sampler, &mut 0, |error| {
+                    !error.is_vague()
+                });
+                pictured
             }
         };
+        let Pictured {
+            picture,
+            expected_errors,
+            estimates,
+        } = pictured;
+        let error = estimates.mean();
         Some(RenderedFrame {
             film: picture.film,
             half_difference: picture.half_difference,
@@ -151,7 +170,7 @@ impl Renderer<'_> {
         sampler: &Sampler,
         target: f64,
         observer: &dyn RenderObserver,
-    ) -> Option<(Picture, Vec<f32>, FrameErrorEstimate)> {
+    ) -> Option<Pictured> {
         /// The part of the target that the upper bound of the error shall take.
         const AIM: f64 = 0.9;
         /// A pass that leaves more than this part of the error that was there before has stalled: those after it aim at this
@@ -163,7 +182,7 @@ impl Renderer<'_> {
         let settings = &self.settings;
         let (width, display_white) = (settings.width as usize, settings.display_white);
         let (mut before, mut stalled) = (f64::INFINITY, 0);
-        let mut effort = Effort::first();
+        let mut round = 0;
         loop {
             if observer.is_stopped() {
                 return None;
@@ -171,55 +190,51 @@ impl Renderer<'_> {
             let survey = Survey::new(samples, width, display_white, settings.is_noisy());
             let picture = self.picture(samples);
             let expected_errors = survey.expected_errors(&samples.counts, &picture.contrasts());
-            let mut estimate = |is_enough: &dyn Fn(&ErrorEstimate) -> bool| {
-                let errors = &expected_errors;
-                self.estimate(samples, &picture, errors, sampler, &mut effort, is_enough)
-            };
+            let mut pictured = Pictured::new(expected_errors, picture);
             let is_reached = |error: &ErrorEstimate| error.interval()[1] <= target;
             // Not if the interval alone is above the target, or far above the error.
-            let is_enough = |error: &ErrorEstimate| {
+            let error = self.estimate(&mut pictured, samples, sampler, &mut round, |error| {
                 is_reached(error) || error.rel_mse >= AIM * target && !error.is_vague()
+            });
+            let error = match is_reached(&error) {
+                // Too low estimates end frames: one that has decided nothing mends some of that.
+                true => self.estimate(&mut pictured, samples, sampler, &mut round, |_| true),
+                false => error,
             };
-            let mut error = estimate(&is_enough);
-            if is_reached(&error.whole) {
-                // Too low estimates end frames: one that has decided nothing mends half of that.
-                error = error.mean_with(estimate(&|_| true));
-            }
-            let [_, upper] = error.whole.interval();
+            let [_, upper] = error.interval();
             stalled += i32::from(upper > STALLED * before);
             before = upper;
             if upper <= target || stalled == MOST_STALLED {
-                return Some((picture, expected_errors, error));
+                return Some(pictured);
             }
             // As far as it is known: not more than twice the estimate.
-            let known = upper.min(2.0 * error.whole.rel_mse);
+            let known = upper.min(2.0 * error.rel_mse);
             // One decision for all pixels, on which a single pixel has next to no influence.
             let fraction = AIM * target / known.max(target) * AFTER_STALLED.powi(stalled);
             match survey.next_counts(&samples.counts, fraction, sampler.most()) {
                 Some(next) => samples.refine(grid, sampler, |index| next[index], observer),
-                None => return Some((picture, expected_errors, error)),
+                None => return Some(pictured),
             }
-            effort.is_refined = true;
         }
     }
 
-    /// Estimates the error of a picture of all samples so far: until it `is_enough`, or no effort tells more.
+    /// Estimates the error of a picture of all samples so far: until the mean of all estimates `is_enough`, or no effort
+    /// tells more. There were `round` others of this frame.
     fn estimate(
         &self,
+        pictured: &mut Pictured,
         samples: &mut SampleAccumulator,
-        picture: &Picture,
-        expected_errors: &[f32],
         sampler: &Sampler,
-        effort: &mut Effort,
+        round: &mut u32,
         is_enough: impl Fn(&ErrorEstimate) -> bool,
-    ) -> FrameErrorEstimate {
+    ) -> ErrorEstimate {
         let has_fixed_positions = matches!(
             self.settings.sampling,
             PixelSampling::Center | PixelSampling::Corners
         );
         let estimator = ErrorEstimator {
-            picture,
-            expected_errors,
+            picture: &pictured.picture,
+            expected_errors: &pictured.expected_errors,
             samples: match self.settings.is_adaptive() {
                 true => PixelSamples::Listed(&samples.counts),
                 false => PixelSamples::Even(sampler.first),
@@ -228,16 +243,25 @@ impl Renderer<'_> {
             has_textures: !self.scene().textures().is_empty(),
         };
         let sampler = sampler.of_whole_pixels();
+        let mut effort = Effort::after(*round);
         loop {
-            let Estimate { error, work, more } = estimator.estimate(&sampler, *effort);
+            let Estimate {
+                of_half_buffers,
+                of_held_out,
+                work,
+                more,
+            } = estimator.estimate(&sampler, effort);
+            *round += 1;
             samples.rays += work.query_state.rays;
             samples.non_finite += work.non_finite;
+            // The more rays, the more an estimate knows.
+            let weight = work.query_state.rays.max(1) as f64;
+            let estimates = &mut pictured.estimates;
+            estimates.add(of_half_buffers, of_held_out, weight);
+            let mean = estimates.mean().whole;
             match more {
-                Some(more) if !is_enough(&error.whole) => *effort = more,
-                _ => {
-                    effort.round += 1;
-                    return error;
-                }
+                Some(more) if !is_enough(&mean) => effort = more,
+                _ => return mean,
             }
         }
     }

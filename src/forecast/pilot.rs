@@ -110,7 +110,7 @@ impl Pilot {
         let (more_seconds, doubt_of_seconds) = match settings.is_adaptive() {
             true => {
                 let between = (pixels * more_seconds).sqrt();
-                (between, 2.0 * doubt_of(between) + coherence)
+                (between, doubt_of(more_seconds) + coherence)
             }
             false => (pixels * (1.0 - coherence), coherence),
         };

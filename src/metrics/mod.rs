@@ -24,5 +24,6 @@ pub use flip::flip;
 pub use heat::heat_map;
 pub use image_error::{ImageError, relative_errors};
 pub use local_mean::{RADIANCE_FLOOR, local_mean, neighbours, normaliser};
+pub(crate) use pixel::channel_mean;
 pub use reference::Reference;
 pub use statistics::{Estimate, mean, student_t};

@@ -16,6 +16,6 @@ pub(super) fn mean_of_two([a, b]: [DVec3; 2]) -> DVec3 {
 }
 
 /// The mean of R, G and B.
-pub(super) fn channel_mean(channels: DVec3) -> f64 {
+pub(crate) fn channel_mean(channels: DVec3) -> f64 {
     channels.element_sum() / 3.0
 }

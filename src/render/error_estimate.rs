@@ -53,7 +53,7 @@ impl ErrorEstimate {
 pub struct FrameErrorEstimate {
     /// The error of the whole frame.
     pub whole: ErrorEstimate,
-    /// The relMSE of the worst block of 8 x 8 pixels: of the four that are expected to be the worst. The error of the
+    /// The relMSE of the worst block of 8 x 8 pixels: of the two that are expected to be the worst. The error of the
     /// irradiance cache counts with its mean.
     pub worst_block: f64,
     /// The relMSE after each block of 8 x 8 pixels is replaced by its mean: what blotches and bands leave, which are

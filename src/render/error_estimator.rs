@@ -16,7 +16,7 @@ use super::picture::Picture;
 use super::question::{Part, Question, answers};
 use super::sampler::{Sampler, Work};
 use super::squared_error::SquaredError;
-use crate::metrics::mean;
+use crate::metrics::{channel_mean, mean};
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -34,14 +34,17 @@ const MOST_OF_EVEN: f64 = 0.25;
 
 /// Estimates the error of a picture, by what is known of it.
 pub(super) struct ErrorEstimator<'a> {
-    pub(super) picture: &'a Picture,
+    picture: &'a Picture,
     /// The expected squared error of each pixel, relative to the square of the radiance; up to a factor.
-    pub(super) expected_errors: &'a [f32],
-    pub(super) samples: PixelSamples<'a>,
+    expected_errors: &'a [f32],
+    samples: PixelSamples<'a>,
     /// Whether samples lie at fixed places, so that their mean differs from that of the whole pixel.
-    pub(super) has_fixed_positions: bool,
+    has_fixed_positions: bool,
     /// Whether samples filter textures, so that their mean may differ from the unfiltered one.
-    pub(super) has_textures: bool,
+    has_textures: bool,
+    /// What the half buffers know of the error.
+    pub(super) of_half_buffers: FrameErrorEstimate,
+    worst_blocks: Vec<Block>,
 }
 
 /// How many samples the pixels of a picture have, or each of its half buffers.
@@ -64,9 +67,7 @@ impl PixelSamples<'_> {
 
 /// An estimate of a frame's error.
 pub(super) struct Estimate {
-    /// What the half buffers know; the same in all estimates of a picture.
-    pub(super) of_half_buffers: FrameErrorEstimate,
-    /// The rest, from held-out pixels: unbiased, so that it may be below 0.
+    /// What the half buffers do not know, from held-out pixels: unbiased, so that it may be below 0.
     pub(super) of_held_out: FrameErrorEstimate,
     pub(super) work: Work,
     /// What makes another estimate know the error better; none if nothing does.
@@ -89,21 +90,50 @@ struct PartOfError {
     of_blocks: f64,
 }
 
-impl ErrorEstimator<'_> {
+impl<'a> ErrorEstimator<'a> {
+    /// Of a picture, as [`ErrorEstimator`]'s fields describe it.
+    pub(super) fn new(
+        picture: &'a Picture,
+        expected_errors: &'a [f32],
+        samples: PixelSamples<'a>,
+        has_fixed_positions: bool,
+        has_textures: bool,
+    ) -> ErrorEstimator<'a> {
+        // They do not know what fixed positions are off by.
+        let half_buffers = match has_fixed_positions {
+            true => None,
+            false => HalfBufferError::of(picture),
+        };
+        let expected = |pixel: usize| match &half_buffers {
+            Some(half_buffers) => half_buffers.square(pixel),
+            None => f64::from(expected_errors[pixel]),
+        };
+        ErrorEstimator {
+            picture,
+            expected_errors,
+            samples,
+            has_fixed_positions,
+            has_textures,
+            worst_blocks: worst_blocks(picture, expected),
+            of_half_buffers: half_buffers.map_or(FrameErrorEstimate::NONE, |half_buffers| {
+                FrameErrorEstimate {
+                    whole: half_buffers.estimate(),
+                    blurred: half_buffers.blurred(),
+                    ..FrameErrorEstimate::NONE
+                }
+            }),
+        }
+    }
+
     /// The error against what `sampler` converges to.
     pub(super) fn estimate(&self, sampler: &Sampler, effort: Effort) -> Estimate {
-        // They do not know what fixed positions are off by.
-        let half_buffers = match self.has_fixed_positions {
-            true => None,
-            false => HalfBufferError::of(self.picture),
-        };
         let parts = self.parts().iter();
         let parts: Vec<HeldOut> = parts
             .map(|&part| self.hold_out(part, sampler, effort))
             .collect();
-        let worst_blocks = self.worst_blocks(half_buffers.as_ref());
         let of_parts = parts.iter().flat_map(|part| self.ask(part, effort));
-        let of_worst = worst_blocks.iter().flat_map(Block::pixels).map(|pixel| {
+        let worst_pixels = self.worst_blocks.iter().flat_map(Block::pixels);
+        let of_worst = worst_pixels.map(|pixel| {
             let question = self.question(Part::All, pixel, 0, effort);
             Question {
                 samples: question.samples.max(LEAST_SAMPLES_OF_WORST),
@@ -118,7 +148,7 @@ impl ErrorEstimator<'_> {
             .iter()
             .map(|held_out| self.of_part(held_out, &mut next));
         let parts: Vec<PartOfError> = parts.collect();
-        let of_worst = worst_blocks.iter().map(|block| {
+        let of_worst = self.worst_blocks.iter().map(|block| {
             let square = |pixel| SquaredError::of(&[next()], self.inverse_normaliser(pixel)).value;
             mean(&block.pixels().map(square).collect::<Vec<f64>>())
         });
@@ -129,21 +159,13 @@ impl ErrorEstimator<'_> {
             worst_block: of_worst.fold(0.0, f64::max),
             blurred: parts.iter().map(|part| part.of_blocks).sum(),
         };
-        let of_half_buffers = half_buffers.map_or(FrameErrorEstimate::NONE, |half_buffers| {
-            FrameErrorEstimate {
-                whole: half_buffers.estimate(),
-                blurred: half_buffers.blurred(),
-                ..FrameErrorEstimate::NONE
-            }
-        });
         let vaguest = parts.iter().max_by(|a, b| {
             let [a, b] = [a, b].map(|part| part.of_pixels.standard_error);
             a.total_cmp(&b)
         });
-        let known = of_half_buffers.whole.standard_error;
+        let known = self.of_half_buffers.whole.standard_error;
         let vaguest = vaguest.filter(|part| part.of_pixels.standard_error > known);
         Estimate {
-            of_half_buffers,
             of_held_out,
             work,
             more: vaguest.and_then(|part| self.more(part.part, effort)),
@@ -280,31 +302,13 @@ impl ErrorEstimator<'_> {
         let count = block.len() as f64;
         let sum = a * b + (count - 1.0) * 0.5 * (a * d + b * c);
         let square = sum * self.picture.inverse_normaliser_of(&block);
-        square.element_sum() / 3.0 / count
+        channel_mean(square) / count
     }
 
     /// What the product of two estimates of a pixel's error is relative to, inverted, and its standard deviation.
     fn inverse_normaliser(&self, pixel: usize) -> [DVec3; 2] {
         let count = self.samples.of(pixel);
         self.picture.inverse_normaliser(pixel, count)
-    }
-
-    /// The blocks whose error is expected to be largest: by half buffers, if there are any.
-    fn worst_blocks(&self, half_buffers: Option<&HalfBufferError>) -> Vec<Block> {
-        let expected = |pixel: usize| match half_buffers {
-            Some(half_buffers) => half_buffers.square(pixel),
-            None => f64::from(self.expected_errors[pixel]),
-        };
-        let mut worst: Vec<(f64, Block)> = Vec::new();
-        for block in Block::all(self.picture.width(), self.picture.height()) {
-            let expected = block.pixels().map(expected).sum::<f64>() / block.len() as f64;
-            let place = worst.partition_point(|(other, _)| *other >= expected);
-            if place < WORST_BLOCKS {
-                worst.insert(place, (expected, block));
-                worst.truncate(WORST_BLOCKS);
-            }
-        }
-        worst.into_iter().map(|(_, block)| block).collect()
     }
 
     /// A question about a pixel.
@@ -326,4 +330,18 @@ impl ErrorEstimator<'_> {
     fn block(&self, pixel: usize) -> Block {
         Block::of(pixel, self.picture.width(), self.picture.height())
     }
+}
+
+/// The blocks whose error is expected to be largest.
+fn worst_blocks(picture: &Picture, expected: impl Fn(usize) -> f64) -> Vec<Block> {
+    let mut worst: Vec<(f64, Block)> = Vec::new();
+    for block in Block::all(picture.width(), picture.height()) {
+        let expected = block.pixels().map(&expected).sum::<f64>() / block.len() as f64;
+        let place = worst.partition_point(|(other, _)| *other >= expected);
+        if place < WORST_BLOCKS {
+            worst.insert(place, (expected, block));
+            worst.truncate(WORST_BLOCKS);
+        }
+    }
+    worst.into_iter().map(|(_, block)| block).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::{Reprojection, reprojection};
 use crate::film::Film;
-use crate::metrics::RADIANCE_FLOOR;
+use crate::metrics::{RADIANCE_FLOOR, channel_mean};
 
 const TILE: usize = reprojection::TILE as usize;
 
@@ -52,7 +52,7 @@ impl Reprojection {
             let [x, a, b] = residuals.each_ref().map(|of| of[i].as_dvec3());
             let [of_a, of_b] = later.map(|film| film.pixels()[self.matches()[i].pixel]);
             let r = 0.5 * (of_a.as_dvec3() + of_b.as_dvec3());
-            ((x - a) * (x - b) / (r * r + floor)).element_sum() / 3.0
+            channel_mean((x - a) * (x - b) / (r * r + floor))
         };
         let products: Vec<f64> = (0..self.matches().len()).map(product).collect();
         let count = products.len().max(1) as f64;

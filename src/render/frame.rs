@@ -232,21 +232,20 @@ impl Renderer<'_> {
             self.settings.sampling,
             PixelSampling::Center | PixelSampling::Corners
         );
-        let estimator = ErrorEstimator {
-            picture: &pictured.picture,
-            expected_errors: &pictured.expected_errors,
-            samples: match self.settings.is_adaptive() {
+        let estimator = ErrorEstimator::new(
+            &pictured.picture,
+            &pictured.expected_errors,
+            match self.settings.is_adaptive() {
                 true => PixelSamples::Listed(&samples.counts),
                 false => PixelSamples::Even(sampler.first),
             },
             has_fixed_positions,
-            has_textures: !self.scene().textures().is_empty(),
-        };
+            !self.scene().textures().is_empty(),
+        );
         let sampler = sampler.of_whole_pixels();
         let mut effort = Effort::after(*round);
         loop {
             let Estimate {
-                of_half_buffers,
                 of_held_out,
                 work,
                 more,
@@ -257,7 +256,7 @@ impl Renderer<'_> {
             // The more rays, the more an estimate knows.
             let weight = work.query_state.rays.max(1) as f64;
             let estimates = &mut pictured.estimates;
-            estimates.add(of_half_buffers, of_held_out, weight);
+            estimates.add(estimator.of_half_buffers, of_held_out, weight);
             let mean = estimates.mean().whole;
             match more {
                 Some(more) if !is_enough(&mean) => effort = more,

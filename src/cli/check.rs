@@ -61,7 +61,10 @@ pub(super) fn run(arguments: &CheckArguments) -> Result<Status, Failure> {
     writeln!(out, "objects    {}", input.object_count)?;
     writeln!(out, "triangles  {}", scene.triangle_count())?;
     writeln!(out, "spheres    {}", scene.sphere_count())?;
-    writeln!(out, "lights     {}", scene.lights.len())?;
+    writeln!(out, "lights     {}", scene.lights.len() + scene.suns.len())?;
+    for group in scene.light_groups(&input.names) {
+        writeln!(out, "           {group}")?;
+    }
     writeln!(out, "textures   {}", scene.textures().len())?;
     for (texture, name) in scene.textures().iter().zip(&input.texture_files) {
         let (width, height) = texture.size();

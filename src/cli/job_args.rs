@@ -133,6 +133,10 @@ pub(super) struct SettingsArguments {
     /// Paths that continue from the first, second, ... diffuse bounce in the montecarlo modes [default: 32,1,1,1]
     #[arg(long, value_name = "N,N,...", value_delimiter = ',')]
     splits: Option<Vec<u32>>,
+    /// Shadow rays from each surface that a camera sample sees: for all surfaces that emit and lights with a radius
+    /// together, and for each sun that is not a point [default: 4]
+    #[arg(long, value_name = "N")]
+    shadow_rays: Option<u32>,
     /// Seed of the random numbers [default: 0]
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
@@ -163,6 +167,7 @@ impl SettingsArguments {
             samples: self.samples,
             bounces: self.bounces,
             splits: self.splits.clone(),
+            shadow_rays: self.shadow_rays,
             seed: self.seed,
             lock_seed: self.lock_seed.then_some(true),
             exposure: self.exposure,

@@ -64,8 +64,8 @@ impl Estimate {
         };
         let threads = workload.pool.current_num_threads();
         let before = memory + THREAD_MEMORY * threads as f64;
-        let [least, most] =
-            frame_memory(workload.renderer.settings()).map(|bytes| before + 2.0 * bytes as f64);
+        let [least, most] = frame_memory(workload.renderer.scene(), workload.renderer.settings())
+            .map(|bytes| before + 2.0 * bytes as f64);
         Estimate {
             threads,
             seconds_within: within(|frame| frame.seconds, doubt_of_seconds, PACE),

@@ -9,6 +9,7 @@ mod error;
 pub(crate) mod files;
 mod ignored_settings;
 mod jpeg;
+mod light_file;
 mod mtl;
 mod obj;
 mod obj_check;

@@ -1,5 +1,6 @@
 //! MTL material libraries, parsed by tobj.
 
+use super::check::MAX_RADIANCE;
 use super::error::InputError;
 use super::files::{InputFiles, relative_to};
 use super::statements::{Statements, numbers, text, words, write_statement};
@@ -18,6 +19,9 @@ pub(super) struct ObjMaterial {
     pub(super) specular: Vec3,
     pub(super) shininess: f32,
     pub(super) reflective: Vec3,
+    /// The emitted radiance, without its texture.
+    pub(super) emission: Vec3,
+    pub(super) emission_texture: Option<ObjTexture>,
 }
 
 /// A texture of an MTL file, and the file and key that name it.
@@ -93,8 +97,6 @@ fn prepare(keyword: &str, rest: &str, out: &mut String, unused: &mut Unused) -> 
         "newmtl" if rest.is_empty() => return Err("`newmtl` has no name after it".to_owned()),
         "newmtl" => write_statement(out, keyword, &[rest]),
         "Kd" | "Ks" | "Ke" => match numbers(keyword, &words)?[..] {
-            [0.0] | [0.0, 0.0, 0.0] if keyword == "Ke" => {}
-            [_] | [_, _, _] if keyword == "Ke" => unused.add("`Ke`"),
             [_] => write_statement(out, keyword, &[words[0]; 3]),
             [_, _, _] => write_statement(out, keyword, &words),
             _ => {
@@ -115,12 +117,15 @@ fn prepare(keyword: &str, rest: &str, out: &mut String, unused: &mut Unused) -> 
             ["6" | "7" | "8" | "9" | "10"] => unused.add("`illum` above 5"),
             _ => return Err("`illum` takes a whole number from 0 to 10".to_owned()),
         },
-        "map_Kd" if rest.is_empty() => return Err("`map_Kd` names no file".to_owned()),
-        "map_Kd" if rest.starts_with('-') => {
-            let message = "`map_Kd`: options are not supported; write the file's name alone";
-            return Err(message.to_owned());
+        "map_Kd" | "map_Ke" if rest.is_empty() => {
+            return Err(format!("`{keyword}` names no file"));
         }
-        "map_Kd" => write_statement(out, keyword, &[rest]),
+        "map_Kd" | "map_Ke" if rest.starts_with('-') => {
+            return Err(format!(
+                "`{keyword}`: options are not supported; write the file's name alone"
+            ));
+        }
+        "map_Kd" | "map_Ke" => write_statement(out, keyword, &[rest]),
         // The ambient term uses the diffuse colour, and nothing is refractive.
         "Ka" | "map_Ka" | "Ni" => {}
         "d" if matches!(words[..], [d] if d.parse().is_ok_and(|d: f64| d >= 1.0)) => {}
@@ -130,7 +135,8 @@ fn prepare(keyword: &str, rest: &str, out: &mut String, unused: &mut Unused) -> 
 }
 
 /// The diffuse reflectance is Kd times map_Kd. Ks and Ns are the highlight, unless `illum` is 0 or 1. With `illum` 3 or
-/// 5, Ks is the mirror reflectance as well.
+/// 5, Ks is the mirror reflectance as well. The
+/// emitted radiance is Ke times map_Ke, map_Ke alone where Ke is black or missing.
 fn resolve(library: &Path, material: &tobj::Material, unused: &mut Unused) -> ObjMaterial {
     let illumination = material.illumination_model;
     let mut color = |name: &str, value: Option<[f64; 3]>, default: f64| {
@@ -148,15 +154,29 @@ fn resolve(library: &Path, material: &tobj::Material, unused: &mut Unused) -> Ob
     if shininess != given {
         unused.add(&format!("`Ns` outside 0 to {MAX_SHININESS} (clamped)"));
     }
+    let texture = |keyword: &str, name: &String| ObjTexture {
+        file: relative_to(library, name),
+        library: library.to_owned(),
+        key: format!("material \"{}\": {keyword}", material.name),
+    };
+    let emission_texture = material.unknown_param.get("map_Ke");
+    let given = DVec3::from_array(material.emissive.unwrap_or([0.0; 3]));
+    let mut emission = given.clamp(DVec3::ZERO, DVec3::splat(MAX_RADIANCE));
+    if emission != given {
+        unused.add(&format!("`Ke` outside 0 to {MAX_RADIANCE:e} (clamped)"));
+    }
+    // Exporters write the map, and the colour that it takes the place of.
+    if emission_texture.is_some() && emission == DVec3::ZERO {
+        emission = DVec3::ONE;
+    }
     let file = library.file_name().unwrap_or_default().to_string_lossy();
     ObjMaterial {
         name: format!("\"{}\" of {file}", material.name),
         diffuse,
-        texture: material.diffuse_texture.as_ref().map(|name| ObjTexture {
-            file: relative_to(library, name),
-            library: library.to_owned(),
-            key: format!("material \"{}\": map_Kd", material.name),
-        }),
+        texture: material
+            .diffuse_texture
+            .as_ref()
+            .map(|name| texture("map_Kd", name)),
         specular: match illumination {
             Some(0 | 1) => Vec3::ZERO,
             _ => specular,
@@ -166,6 +186,8 @@ fn resolve(library: &Path, material: &tobj::Material, unused: &mut Unused) -> Ob
             Some(3 | 5) => specular,
             _ => Vec3::ZERO,
         },
+        emission: emission.as_vec3(),
+        emission_texture: emission_texture.map(|name| texture("map_Ke", name)),
     }
 }
 
@@ -222,8 +244,23 @@ mod tests {
     }
 
     #[test]
+    fn a_map_of_emission_needs_no_color() {
+        let text = "newmtl a\nKe 2 3 4\nmap_Ke a.png\nnewmtl b\nKe 0 0 0\nmap_Ke b.png\nnewmtl c\nmap_Ke c.png\n";
+        let libraries = load_text(text).expect("three materials");
+        let emissions = libraries.materials.iter().map(|m| m.emission);
+        let expected = [Vec3::new(2.0, 3.0, 4.0), Vec3::ONE, Vec3::ONE];
+        assert!(emissions.eq(expected));
+        let maps = libraries.materials.iter().map(|m| {
+            let map = m.emission_texture.as_ref()?;
+            Some(map.file.file_name()?.to_owned())
+        });
+        assert!(maps.eq(["a.png", "b.png", "c.png"].map(|name| Some(name.into()))));
+        assert_eq!(libraries.warnings, Vec::<String>::new());
+    }
+
+    #[test]
     fn what_is_not_used_is_counted() {
-        let text = "\u{feff}newmtl a\n newmtl b\r\n\tKd 0.5\nKs 2 -1 1\nNs -3\nKe 1\nTr 1\n\
+        let text = "\u{feff}newmtl a\n newmtl b\r\n\tKd 0.5\nKs 2 -1 1\nNs -3\nKe 1\nKe -2\nTr 1\n\
                     map_kd t.png\nillum 7\nKa x y z\nd -halo 0.6\n\
                     d 1\nmap_Ks\nnewmtl a\nKe 0\nKe 1 0 0\nNs 1e7\n";
         let libraries = load_text(text).expect("three materials");
@@ -241,7 +278,7 @@ mod tests {
         let (_, unused) = warning.split_once("m.mtl: ").expect("the file");
         assert_eq!(
             unused,
-            "not used: 2 `Ke`, 1 `Ks` outside 0 to 1 (clamped), 2 `Ns` outside 0 to 1000000 \
+            "not used: 1 `Ke` outside 0 to 1e15 (clamped), 1 `Ks` outside 0 to 1 (clamped), 2 `Ns` outside 0 to 1000000 \
              (clamped), 1 `Tr`, 1 `d`, 1 `illum` above 5, 1 `map_Ks`, 1 `map_kd`, 1 other kinds"
         );
     }

@@ -337,7 +337,7 @@ mod tests {
     fn material_library() {
         let library = tempfile::tempdir().expect("a folder");
         let mtl = "newmtl a\nKd 0.5 0.25 0\nKs 1 1 1\nNs 20\nillum 2\nmap_Kd sub\\t.png\n\
-                   newmtl b\nKs 0.5 0.5 0.5\nillum 3\nKe 1 0 0\n";
+                   newmtl b\nKs 0.5 0.5 0.5\nillum 3\nKe 1 0 9\nTf 1 0 0\n";
         std::fs::write(library.path().join("m.mtl"), mtl).expect("writable");
         let obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl b\nf 1 2 3\nusemtl a\nf 3 2 1\n";
         let file = library.path().join("x.obj");
@@ -352,7 +352,11 @@ mod tests {
         let texture = a.texture.as_ref().map(|t| t.file.clone());
         assert_eq!(texture, Some(library.path().join("sub/t.png")));
         assert_eq!((b.diffuse, b.reflective), (Vec3::ONE, Vec3::splat(0.5)));
-        assert!(model.warnings.len() == 1 && model.warnings[0].ends_with("not used: 1 `Ke`"));
+        assert!(model.warnings.len() == 1 && model.warnings[0].ends_with("not used: 1 `Tf`"));
+        assert_eq!(
+            (a.emission, b.emission),
+            (Vec3::ZERO, Vec3::new(1.0, 0.0, 9.0))
+        );
         let missing = load(&file, b"mtllib n.mtl\n", true, &mut InputFiles::default());
         assert!(missing.is_err_and(|e| e.to_string().contains("n.mtl")));
         assert!(load(&file, b"mtllib n.mtl\n", false, &mut InputFiles::default()).is_ok());

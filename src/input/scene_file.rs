@@ -5,6 +5,7 @@
 //! ```
 
 use super::check::Triple;
+use super::light_file::LightFile;
 use super::ron_file;
 use super::settings_file::Settings;
 use serde::Deserialize;
@@ -37,23 +38,10 @@ pub(super) struct MaterialFile {
     pub(super) shininess: f64,
     #[serde(default)]
     pub(super) reflective: Triple,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "Light", deny_unknown_fields)]
-pub(super) struct LightFile {
-    pub(super) position: Triple,
-    pub(super) intensity: Triple,
+    pub(super) emission: Option<Triple>,
+    pub(super) emission_texture: Option<String>,
     #[serde(default)]
-    pub(super) falloff: FalloffFile,
-}
-
-#[derive(Clone, Copy, Default, Deserialize)]
-#[serde(rename = "Falloff", rename_all = "snake_case")]
-pub(super) enum FalloffFile {
-    #[default]
-    InverseSquare,
-    Constant,
+    pub(super) two_sided: bool,
 }
 
 #[derive(Deserialize)]
@@ -71,6 +59,7 @@ pub(super) struct SphereFile {
     pub(super) center: Triple,
     pub(super) radius: f64,
     pub(super) material: String,
+    pub(super) emission: Option<Triple>,
     #[serde(default = "one")]
     pub(super) scale: Triple,
     #[serde(default)]
@@ -87,6 +76,7 @@ pub(super) struct TriangleFile {
     #[serde(default, deserialize_with = "ron_file::maybe_three")]
     pub(super) uvs: Option<[(f64, f64); 3]>,
     pub(super) material: Option<String>,
+    pub(super) emission: Option<Triple>,
     #[serde(default, deserialize_with = "ron_file::maybe_three")]
     pub(super) vertex_materials: Option<[String; 3]>,
     #[serde(default = "one")]
@@ -103,6 +93,7 @@ pub(super) struct ModelFile {
     pub(super) file: String,
     pub(super) material: Option<String>,
     pub(super) reflective: Option<Triple>,
+    pub(super) emission: Option<Triple>,
     #[serde(default = "one")]
     pub(super) scale: Triple,
     #[serde(default)]

@@ -3,17 +3,17 @@
 use super::check::{Checker, MAX_MAGNITUDE, MAX_RADIANCE, MIN_SIZE, Triple};
 use super::error::InputError;
 use super::files::{InputFiles, relative_to};
-use super::mtl::MAX_SHININESS;
+use super::light_file::{FalloffFile, LightFile, PointFile, SpotFile, SunFile};
+use super::mtl::{MAX_SHININESS, ObjTexture};
 use super::obj::{self, ObjModel};
 use super::scene_file::{
-    FalloffFile, LightFile, MaterialFile, ModelFile, ObjectFile, SceneFile, SphereFile,
-    TriangleFile, one,
+    MaterialFile, ModelFile, ObjectFile, SceneFile, SphereFile, TriangleFile, one,
 };
 use super::settings_file::Settings;
 use super::{ron_file, texture_file};
 use crate::geometry::{Sphere, Transform};
-use crate::light::{Falloff, PointLight};
-use crate::material::Material;
+use crate::light::{Cone, Falloff, PointLight, Sun};
+use crate::material::{Emission, Material};
 use crate::memory::{MemoryRoom, room};
 use crate::scene::{MeshMaterial, MeshName, Scene, SceneBuilder, SceneNames, SourceMesh};
 use glam::{DVec3, Vec2, Vec3};
@@ -159,10 +159,54 @@ impl Loader<'_> {
             shininess: check.range(&key("shininess"), material.shininess, 0.0, MAX_SHININESS)?
                 as f32,
             reflective: check.color(&key("reflective"), material.reflective, 1.0)?,
+            emission: self.emission(material, &key)?,
         };
         let number = self.new_material(material, format!("\"{name}\""));
         self.materials.insert(name.to_owned(), number);
         Ok(())
+    }
+
+    /// The emission of a material; `key` names its fields.
+    fn emission(
+        &mut self,
+        material: &MaterialFile,
+        key: &impl Fn(&str) -> String,
+    ) -> Result<Emission, InputError> {
+        let texture = match &material.emission_texture {
+            Some(texture) => {
+                let file = relative_to(self.file, texture);
+                Some(self.texture(file, self.file.to_owned(), &key("emission_texture"))?)
+            }
+            None => None,
+        };
+        let default = match texture {
+            Some(_) => one(),
+            None => Triple::default(),
+        };
+        let radiance = material.emission.unwrap_or(default);
+        Ok(Emission {
+            radiance: self.check.color(&key("emission"), radiance, MAX_RADIANCE)?,
+            texture,
+            is_two_sided: material.two_sided,
+        })
+    }
+
+    /// The material of an object with its own emitted radiance in place of the material's; texture and sides stay.
+    fn with_emission(
+        &mut self,
+        key: &str,
+        material: usize,
+        emission: Option<Triple>,
+    ) -> Result<usize, InputError> {
+        let Some(radiance) = emission else {
+            return Ok(material);
+        };
+        let key = format!("{key}.emission");
+        let radiance = self.check.color(&key, radiance, MAX_RADIANCE)?;
+        let mut copy = self.builder.materials[material].clone();
+        copy.emission.radiance = radiance;
+        let name = self.names.material(material);
+        Ok(self.new_material(copy, name))
     }
 
     /// Adds a material that is called `name` in messages.
@@ -204,6 +248,35 @@ impl Loader<'_> {
 
     fn add_light(&mut self, index: usize, light: &LightFile) -> Result<(), InputError> {
         let key = |field: &str| format!("lights[{index}].{field}");
+        match light {
+            LightFile::Point(light) => self.add_point_light(index, light, &key),
+            LightFile::Sun(sun) => self.add_sun(sun, &key),
+        }
+    }
+
+    fn add_sun(&mut self, sun: &SunFile, key: &impl Fn(&str) -> String) -> Result<(), InputError> {
+        let check = self.check;
+        let direction = check.vector(&key("direction"), sun.direction)?;
+        let Some(direction) = direction.try_normalize() else {
+            return check.refuse(&key("direction"), "(0, 0, 0) is no direction");
+        };
+        let angle = check.range(&key("angle"), sun.angle, 0.0, 180.0)?;
+        // 1 - cos(x / 2) = 2 sin(x / 4)^2 does not cancel.
+        let sin = libm::sin(0.25 * angle.to_radians());
+        self.builder.suns.push(Sun {
+            to_sun: -direction.as_vec3(),
+            irradiance: check.color(&key("irradiance"), sun.irradiance, MAX_RADIANCE)?,
+            one_minus_cos: (2.0 * sin * sin) as f32,
+        });
+        Ok(())
+    }
+
+    fn add_point_light(
+        &mut self,
+        index: usize,
+        light: &PointFile,
+        key: &impl Fn(&str) -> String,
+    ) -> Result<(), InputError> {
         let position = self.check.vector(&key("position"), light.position)?;
         let intensity = self
             .check
@@ -212,13 +285,44 @@ impl Loader<'_> {
             FalloffFile::InverseSquare => Falloff::InverseSquare,
             FalloffFile::Constant => Falloff::Constant,
         };
+        let radius = match light.radius {
+            0.0 => 0.0,
+            radius => self.check.positive(&key("radius"), radius)?,
+        };
+        if radius > 0.0 && falloff == Falloff::Constant {
+            let message =
+                "a light with a radius falls off by the inverse square; leave out one of the two";
+            return self.check.refuse(&key("falloff"), message);
+        }
+        let cone = match &light.spot {
+            Some(spot) => self.cone(spot, key)?,
+            None => Cone::ALL,
+        };
         let light = PointLight {
             position: Vec3::ZERO,
             intensity,
             falloff,
+            cone,
+            radius: radius as f32,
         };
         self.builder.lights.push((position, light));
+        self.names.lights.push(format!("lights[{index}]"));
         Ok(())
+    }
+
+    fn cone(&self, spot: &SpotFile, key: &impl Fn(&str) -> String) -> Result<Cone, InputError> {
+        let check = self.check;
+        let direction = check.vector(&key("spot.direction"), spot.direction)?;
+        let Some(axis) = direction.try_normalize() else {
+            return check.refuse(&key("spot.direction"), "(0, 0, 0) is no direction");
+        };
+        let outer = check.range(&key("spot.outer"), spot.outer, 0.0, 180.0)?;
+        let inner = check.range(&key("spot.inner"), spot.inner, 0.0, outer)?;
+        Ok(Cone::new(
+            axis.as_vec3(),
+            inner.to_radians(),
+            outer.to_radians(),
+        ))
     }
 
     fn transform(
@@ -267,6 +371,7 @@ impl Loader<'_> {
         let name = format!("{key}.radius");
         let radius = self.check.positive(&name, sphere.radius)? * factors.max_element();
         let material = self.material(&format!("{key}.material"), &sphere.material)?;
+        let material = self.with_emission(key, material, sphere.emission)?;
         let sphere = Sphere {
             center: self.placed(key, &transform, center)?,
             radius: self.check.positive(&name, radius)?,
@@ -299,12 +404,14 @@ impl Loader<'_> {
         }
         let material = match (&triangle.material, &triangle.vertex_materials) {
             (Some(name), None) => {
-                MeshMaterial::Uniform(self.material(&format!("{key}.material"), name)?)
+                let material = self.material(&format!("{key}.material"), name)?;
+                MeshMaterial::Uniform(self.with_emission(key, material, triangle.emission)?)
             }
             (None, Some(names)) => {
                 let mut materials = [0; 3];
                 for (i, name) in names.iter().enumerate() {
-                    materials[i] = self.material(&format!("{key}.vertex_materials[{i}]"), name)?;
+                    let material = self.material(&format!("{key}.vertex_materials[{i}]"), name)?;
+                    materials[i] = self.with_emission(key, material, triangle.emission)?;
                 }
                 MeshMaterial::PerVertex(materials)
             }
@@ -331,25 +438,34 @@ impl Loader<'_> {
             Some(rgb) => Some(self.check.color(&format!("{key}.reflective"), rgb, 1.0)?),
             None => None,
         };
+        let emission = match model.emission {
+            Some(rgb) => {
+                let key = format!("{key}.emission");
+                Some(self.check.color(&key, rgb, MAX_RADIANCE)?)
+            }
+            None => None,
+        };
         let own = match &model.material {
             Some(name) => Some(self.material(&format!("{key}.material"), name)?),
             None => None,
         };
         let loaded = self.model(key, &model.file, own.is_none())?;
         self.check_room(key, &loaded.model)?;
-        // Copies of materials with the object's own reflectance, by the index of the original.
-        let mut mirrors: HashMap<usize, usize> = HashMap::new();
+        // Copies of materials with what the object has of its own, by the index of the original.
+        let mut copies: HashMap<usize, usize> = HashMap::new();
         for part in &loaded.model.parts {
             let mut material = match (own, part.material) {
                 (Some(own), _) => own,
                 (None, Some(index)) => loaded.first_material + index,
                 (None, None) => self.grey(),
             };
-            if let Some(reflective) = reflective {
-                material = *mirrors.entry(material).or_insert_with(|| {
-                    let copy = self.builder.materials[material].clone();
+            if reflective.is_some() || emission.is_some() {
+                material = *copies.entry(material).or_insert_with(|| {
+                    let mut copy = self.builder.materials[material].clone();
+                    copy.reflective = reflective.unwrap_or(copy.reflective);
+                    copy.emission.radiance = emission.unwrap_or(copy.emission.radiance);
                     let name = self.names.material(material);
-                    self.new_material(Material { reflective, ..copy }, name)
+                    self.new_material(copy, name)
                 });
             }
             let part_name = match part.name.as_str() {
@@ -419,16 +535,23 @@ impl Loader<'_> {
         self.warnings.append(&mut model.warnings);
         let mut resolved = Vec::new();
         for material in &model.materials {
-            let texture = match &material.texture {
-                Some(t) => Some(self.texture(t.file.clone(), t.library.clone(), &t.key)?),
-                None => None,
+            let mut texture = |texture: &Option<ObjTexture>| {
+                let load = |t: &ObjTexture| self.texture(t.file.clone(), t.library.clone(), &t.key);
+                texture.as_ref().map(load).transpose()
             };
+            let emission_texture = texture(&material.emission_texture)?;
+            let texture = texture(&material.texture)?;
             resolved.push(Material {
                 diffuse: material.diffuse,
                 texture,
                 specular: material.specular,
                 shininess: material.shininess,
                 reflective: material.reflective,
+                emission: Emission {
+                    radiance: material.emission,
+                    texture: emission_texture,
+                    is_two_sided: false,
+                },
             });
         }
         let first_material = self.builder.materials.len();

@@ -26,6 +26,9 @@ pub struct Settings {
     /// Splitting factors: the number of rays traced from the first diffuse bounce of a path, the second, and so on.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub splits: Option<Vec<u32>>,
+    /// Shadow rays for emitters, from every surface that a camera sample sees.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shadow_rays: Option<u32>,
     /// Seed of the sample points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u32>,
@@ -91,6 +94,7 @@ impl Settings {
             samples: self.samples.or(weaker.samples),
             bounces: self.bounces.or(weaker.bounces),
             splits: self.splits.or(weaker.splits),
+            shadow_rays: self.shadow_rays.or(weaker.shadow_rays),
             seed: self.seed.or(weaker.seed),
             lock_seed: self.lock_seed.or(weaker.lock_seed),
             exposure: self.exposure.or(weaker.exposure),
@@ -147,6 +151,9 @@ impl Settings {
         }
         for &split in self.splits.iter().flatten() {
             within("splits", split, 1, 1 << 20)?;
+        }
+        if let Some(shadow_rays) = self.shadow_rays {
+            within("shadow_rays", shadow_rays, 1, 1 << 12)?;
         }
         let paths = self.splits.iter().flatten();
         let paths = paths.fold(1_u64, |paths, &split| paths.saturating_mul(split.into()));
@@ -220,7 +227,7 @@ impl Settings {
     }
 
     /// The settings of frames in a sequence of `frames`, with defaults for what nothing says: raytracing, 1280 x 720,
-    /// 4 bounces, 32 paths from the first diffuse bounce, seed 0; as many samples as [`DEFAULT_ERROR`] or
+    /// 4 bounces, 32 paths from the first diffuse bounce, 4 shadow rays, seed 0; as many samples as [`DEFAULT_ERROR`] or
     /// [`DEFAULT_PATH_TRACED_ERROR`] takes, in raytracing one in the middle of each pixel; for indirect
     /// light see [`Settings::global_illumination`].
     pub fn resolve(&self, frames: u32) -> RenderSettings {
@@ -247,6 +254,7 @@ impl Settings {
             }),
         };
         RenderSettings {
+            shadow_rays: self.shadow_rays.unwrap_or(RenderSettings::SHADOW_RAYS),
             sampling,
             seed: self.seed.unwrap_or(0),
             lock_seed: self.lock_seed.unwrap_or(false),

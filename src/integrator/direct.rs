@@ -76,7 +76,8 @@ fn direct_lighting<F: Features>(
         }
     }
     let mut shadow_packets = Vec::with_capacity(packets.len());
-    for light in 0..scene.lights.len() {
+    let points = |light: &usize| scene.lights[*light].radius == 0.0;
+    for light in (0..scene.lights.len()).filter(points) {
         let position = scene.lights[light].position;
         shadow_packets.clear();
         shadow_packets.extend(packets.iter().map(|p| scene.shadow_rays_to(p, position)));
@@ -124,12 +125,14 @@ impl<F: Features, OnContribution: FnMut(&LightContribution)> WithSimd
             for lane in shadow_packet.unoccluded(*occluded) {
                 let (index, surface) = surfaces[lane];
                 let distance = shadow_packet.distance(lane);
+                let to_light = shadow_packet.direction(lane);
                 let reflected = surface.bsdf.eval_cos::<F>(
                     surface.point.shading_normal,
-                    shadow_packet.direction(lane),
+                    to_light,
                     -self.rays[index].direction,
                 );
-                self.sums[index] += reflected * light.irradiance_over_pi(distance * distance);
+                self.sums[index] +=
+                    reflected * light.irradiance_over_pi(distance * distance, -to_light);
                 (self.on_contribution)(&LightContribution {
                     surface: index,
                     light: self.light,

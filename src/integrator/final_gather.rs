@@ -3,8 +3,8 @@
 use super::feature_sets::for_each_feature_set;
 use super::hit_surfaces::HitSurfaces;
 use super::light_sampler::LightSampler;
-use super::path_state::{PathState, Technique};
-use super::path_tracer::PathTracer;
+use super::path_state::{Emission, PathState, Technique};
+use super::path_tracer::{PathTracer, Schedule};
 use crate::accel::QueryState;
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::{Bsdf, FeatureSet, Features};
@@ -44,7 +44,7 @@ impl<'a> FinalGather<'a> {
     }
 
     /// The cosine-weighted mean radiance that arrives at points from their hemispheres, by paths of up to
-    /// `bounces_left` bounces, at least one.
+    /// `bounces_left` bounces, at least one. Light that comes straight from emitters is not part of it.
     ///
     /// Each is an estimate of `paths` paths. With a cache, paths end beyond the first bounce where it has records;
     /// without one the estimate is unbiased.
@@ -91,8 +91,12 @@ pub(super) fn gather_for<F: Features>(
     };
     let mut path_tracer = PathTracer::<F> {
         light_sampler: &final_gather.light_sampler,
-        bounces: bounces_left,
-        splits: &[paths],
+        schedule: Schedule {
+            bounces: bounces_left,
+            splits: &[paths],
+            shadow_rays: 1,
+            counts_emitters_by_shadow_rays: true,
+        },
         cache,
         query_state,
         features: PhantomData,
@@ -110,12 +114,14 @@ pub(super) fn gather_for<F: Features>(
         diffuse_bounces: 0,
         index: point.index,
         technique: Technique::Single,
+        emission: Emission::Seen,
     };
     let paths: Vec<PathState> = points.iter().map(path).collect();
     let direct = vec![Vec3::ZERO; points.len()];
     let mut radiance = direct.clone();
     let hit = HitSurfaces {
         surfaces: points.iter().map(surface).collect(),
+        emitted: Vec::new(),
         reflected: Vec::new(),
     };
     path_tracer.outgoing_radiance(&paths, &hit, &direct, &mut radiance);

@@ -9,10 +9,12 @@ use crate::simd::{Simd, WithSimd};
 use glam::Vec3;
 use std::marker::PhantomData;
 
-/// What some rays hit; both lists are as long as that of the rays.
+/// What some rays hit; the lists are as long as that of the rays.
 pub(super) struct HitSurfaces {
     /// The surface at each ray's hit.
     pub(super) surfaces: Vec<Option<SurfaceInteraction>>,
+    /// The radiance that the surface sends back along the ray by itself; empty in a scene where no surface does.
+    pub(super) emitted: Vec<Vec3>,
     /// The differential of the ray that is reflected there; empty if none is needed: without mirrors, or if textures
     /// are not filtered.
     pub(super) reflected: Vec<RayDifferential>,
@@ -53,9 +55,25 @@ pub(super) fn surfaces<F: Features>(
             reflected.push(reflected_differential(scene, ray, differential, hit));
         }
     }
+    let mut emitted = Vec::new();
+    if scene.has_emitters() {
+        emitted.extend(rays.iter().zip(hits).enumerate().map(|(i, (ray, hit))| {
+            let differential = differentials.get(i).unwrap_or(&RayDifferential::ZERO);
+            let of_hit = |hit: &Hit| scene.emitted(ray, hit, differential);
+            hit.as_ref().map_or(Vec3::ZERO, of_hit)
+        }));
+    }
     HitSurfaces {
         surfaces,
+        emitted,
         reflected,
+    }
+}
+
+impl HitSurfaces {
+    /// [`HitSurfaces::emitted`] of a ray.
+    pub(super) fn emitted(&self, ray: usize) -> Vec3 {
+        self.emitted.get(ray).copied().unwrap_or(Vec3::ZERO)
     }
 }
 

@@ -31,7 +31,8 @@ impl<'a> LightSampler<'a> {
     /// Traces rays from the lights of a scene to find those that are close to surfaces.
     pub fn new(scene: &'a Scene) -> LightSampler<'a> {
         let power = |light: &PointLight| {
-            if light.falloff == Falloff::InverseSquare
+            if light.radius == 0.0
+                && light.falloff == Falloff::InverseSquare
                 && irradiance_ratio(scene, light) > MIN_IRRADIANCE_RATIO
             {
                 light.intensity.as_dvec3().element_sum()
@@ -129,12 +130,10 @@ mod tests {
     /// A floor of 20 m by 20 m with lights at these heights above its middle.
     fn floor_below(heights: &[f64]) -> Scene {
         let light = |height: &f64| {
-            let light = PointLight {
-                position: Vec3::ZERO,
-                intensity: Vec3::ONE,
-                falloff: Falloff::InverseSquare,
-            };
-            (DVec3::Y * *height, light)
+            (
+                DVec3::Y * *height,
+                PointLight::isotropic(Vec3::ZERO, Vec3::ONE),
+            )
         };
         let corner = |x: f64, z: f64| DVec3::new(x, 0.0, z);
         let floor = SourceMesh {

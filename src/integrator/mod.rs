@@ -29,6 +29,7 @@ mod light_sampler;
 mod path_state;
 mod path_tracer;
 mod radiance;
+mod sampled_lights;
 mod settings;
 mod visible_points;
 mod whitted;

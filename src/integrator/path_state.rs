@@ -1,10 +1,12 @@
 //! One path of the path tracer: its last ray, how that was sampled, and the weight of multiple importance sampling
 //! (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
+use super::sampled_lights::balance_heuristic;
 use crate::geometry::Hit;
 use crate::math::{NO_PRIMITIVE, Ray};
 use crate::sampling::SobolSequence;
-use crate::scene::SurfaceInteraction;
+use crate::scene::{Scene, SurfaceInteraction};
+use glam::Vec3;
 use std::f32::consts::PI;
 
 /// A path up to its last ray.
@@ -21,6 +23,26 @@ pub(super) struct PathState {
     pub(super) index: u32,
     /// How the direction of the ray was sampled.
     pub(super) technique: Technique,
+    /// How much of the light counts that the ray finds an emitter to send out.
+    pub(super) emission: Emission,
+}
+
+/// How much of the light counts that an emitter sends along the last ray of a path.
+#[derive(Clone, Copy)]
+pub(super) enum Emission {
+    /// All: camera and mirror rays.
+    Seen,
+    /// None: shadow rays alone count it.
+    Sampled,
+    /// A part, as shadow rays may have been sampled in its direction, too.
+    Weighted {
+        /// At the point that the ray leaves.
+        shading_normal: Vec3,
+        /// How many rays are sampled there by the cosine, ...
+        cosine_rays: f32,
+        /// ... and towards emitters.
+        shadow_rays: f32,
+    },
 }
 
 /// How a direction was sampled.
@@ -81,6 +103,23 @@ impl PathState {
         })
     }
 
+    /// The weight of the light that an emitter sends along the last ray, given its hit.
+    pub(super) fn emission_weight(&self, scene: &Scene, hit: &Hit) -> f32 {
+        match self.emission {
+            Emission::Seen => 1.0,
+            Emission::Sampled => 0.0,
+            Emission::Weighted {
+                shading_normal,
+                cosine_rays,
+                shadow_rays,
+            } => {
+                let cosine_pdf = shading_normal.dot(self.ray.direction).max(0.0) / PI;
+                let emitter_pdf = scene.emitter_pdf(shading_normal, &self.ray, hit);
+                balance_heuristic(cosine_rays, cosine_pdf, shadow_rays, emitter_pdf)
+            }
+        }
+    }
+
     /// The weight of multiple importance sampling by the balance heuristic: the pdf of cosine sampling over that of the
     /// mixture. `hit` is what the ray hits, `light_pdf_area` the pdf, over area, of rays from lights there. Zero if the
     /// ray was connected to a point and hits another.
@@ -129,12 +168,12 @@ impl PathState {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     #[test]
     fn directions_along_the_horizon_have_no_weight() {
         let mis_weight = |pdf| {
             let path = PathState {
+                emission: Emission::Seen,
                 ray: Ray::new(Vec3::ZERO, Vec3::X),
                 sequence: SobolSequence::new(0, 0, 0, 0),
                 depth: 1,

@@ -5,7 +5,8 @@ use super::camera_sample::CameraSample;
 use super::direct::{LightContribution, direct_lighting_incoherent};
 use super::hit_surfaces::{HitSurfaces, ambient, spawn_reflected_ray, surfaces};
 use super::light_sampler::LightSampler;
-use super::path_state::{PathState, Technique};
+use super::path_state::{Emission, PathState, Technique};
+use super::sampled_lights::{ShadowNumbers, add_sampled_lights, has_sampled_lights};
 use crate::accel::QueryState;
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::Features;
@@ -30,13 +31,75 @@ struct SplitPath {
     path: PathState,
 }
 
-/// Traces paths.
-pub(super) struct PathTracer<'a, F> {
-    pub(super) light_sampler: &'a LightSampler<'a>,
+/// How many rays continue from the bounces of paths.
+#[derive(Clone, Copy)]
+pub(super) struct Schedule<'a> {
     /// The longest path.
     pub(super) bounces: u32,
     /// How many paths continue from each diffuse bounce, the first bounce first; 1 beyond the list.
     pub(super) splits: &'a [u32],
+    /// How many shadow rays there are for emitters, and for each sun, before the first diffuse bounce; 1 beyond.
+    pub(super) shadow_rays: u32,
+    /// Whether shadow rays alone count light straight from emitters: where paths may end in cached light, which goes
+    /// without, or start at points that are gathered for.
+    pub(super) counts_emitters_by_shadow_rays: bool,
+}
+
+impl Schedule<'_> {
+    /// How many paths continue from the end of a path.
+    fn splits(&self, path: &PathState) -> u32 {
+        self.splits.get(path.diffuse_bounces).copied().unwrap_or(1)
+    }
+
+    /// How many shadow rays for emitters leave the end of a path.
+    fn shadow_rays(&self, path: &PathState) -> u32 {
+        if path.diffuse_bounces == 0 {
+            self.shadow_rays
+        } else {
+            1
+        }
+    }
+
+    /// How many rays that may find emitters leave the end of a path by the diffuse lobe, in the mean.
+    fn cosine_rays<F: Features>(&self, path: &PathState, surface: &SurfaceInteraction) -> f32 {
+        if path.depth == self.bounces || self.counts_emitters_by_shadow_rays {
+            return 0.0;
+        }
+        let mirror_probability = match path.diffuse_bounces {
+            0 => 0.0,
+            _ => mirror_probability(diffuse::<F>(surface), surface.bsdf.mirror_weight::<F>()),
+        };
+        self.splits(path) as f32 * (1.0 - mirror_probability)
+    }
+
+    /// How much of the light that emitters send along a ray counts that leaves the end of a path by the diffuse lobe.
+    fn emission<F: Features>(&self, path: &PathState, surface: &SurfaceInteraction) -> Emission {
+        if self.counts_emitters_by_shadow_rays {
+            return Emission::Sampled;
+        }
+        Emission::Weighted {
+            shading_normal: surface.point.shading_normal,
+            cosine_rays: self.cosine_rays::<F>(path, surface),
+            shadow_rays: self.shadow_rays(path) as f32,
+        }
+    }
+}
+
+/// The weight of the diffuse lobe.
+fn diffuse<F: Features>(surface: &SurfaceInteraction) -> Vec3 {
+    surface.bsdf.base_weight::<F>() * surface.bsdf.diffuse
+}
+
+/// The probability of following the mirror, in proportion to the reflectances, one of which is not zero.
+fn mirror_probability(diffuse: Vec3, mirror: Vec3) -> f32 {
+    let (diffuse, mirror) = (diffuse.element_sum(), mirror.element_sum());
+    mirror / (diffuse + mirror)
+}
+
+/// Traces paths.
+pub(super) struct PathTracer<'a, F> {
+    pub(super) light_sampler: &'a LightSampler<'a>,
+    pub(super) schedule: Schedule<'a>,
     /// Ends paths beyond the first diffuse bounce where it has records.
     pub(super) cache: Option<&'a SecondaryIrradiance>,
     pub(super) query_state: &'a mut QueryState,
@@ -50,7 +113,7 @@ impl<F: Features> PathTracer<'_, F> {
         &mut self,
         samples: &[CameraSample],
         hit: &HitSurfaces,
-        direct: &[Vec3],
+        mut direct: Vec<Vec3>,
         radiance: &mut [Vec3],
     ) {
         let from_camera = |sample: &CameraSample| PathState {
@@ -60,9 +123,11 @@ impl<F: Features> PathTracer<'_, F> {
             diffuse_bounces: 0,
             index: sample.index,
             technique: Technique::Single,
+            emission: Emission::Seen,
         };
         let paths: Vec<PathState> = samples.iter().map(from_camera).collect();
-        self.outgoing_radiance(&paths, hit, direct, radiance);
+        self.add_sampled_lights(&paths, hit, &mut direct);
+        self.outgoing_radiance(&paths, hit, &direct, radiance);
     }
 
     fn scene(&self) -> &Scene {
@@ -82,14 +147,21 @@ impl<F: Features> PathTracer<'_, F> {
         let mut hits = vec![None; rays.len()];
         scene.closest_incoherent(&rays, &mut hits, self.query_state);
         let mut hit = surfaces::<F>(scene, &rays, differentials, &hits);
-        let surfaces = &mut hit.surfaces;
+        for ((emitted, path), hit) in hit.emitted.iter_mut().zip(paths).zip(&hits) {
+            if *emitted != Vec3::ZERO
+                && let Some(hit) = hit
+            {
+                *emitted *= path.emission_weight(scene, hit);
+            }
+        }
         let light_sampler = self.light_sampler;
         if light_sampler.is_empty() {
-            let direct = self.direct_lighting(surfaces, &rays, |_| {});
+            let mut direct = self.direct_lighting(&hit.surfaces, &rays, |_| {});
+            self.add_sampled_lights(paths, &hit, &mut direct);
             return self.outgoing_radiance(paths, &hit, &direct, radiance);
         }
         let mut light_pdfs = [0.0; WAVEFRONT_SIZE];
-        let direct = self.direct_lighting(surfaces, &rays, |contribution| {
+        let mut direct = self.direct_lighting(&hit.surfaces, &rays, |contribution| {
             light_pdfs[contribution.surface] += light_sampler.pdf(
                 contribution.light,
                 contribution.distance,
@@ -98,12 +170,13 @@ impl<F: Features> PathTracer<'_, F> {
         });
         let mut weights = [0.0; WAVEFRONT_SIZE];
         for (i, path) in paths.iter().enumerate() {
-            let hit = hits[i].as_ref().zip(surfaces[i].as_ref());
-            weights[i] = path.mis_weight(hit, light_pdfs[i]);
+            let surface = hits[i].as_ref().zip(hit.surfaces[i].as_ref());
+            weights[i] = path.mis_weight(surface, light_pdfs[i]);
             if weights[i] == 0.0 {
-                surfaces[i] = None;
+                hit.surfaces[i] = None;
             }
         }
+        self.add_sampled_lights(paths, &hit, &mut direct);
         self.outgoing_radiance(paths, &hit, &direct, radiance);
         for (radiance, weight) in radiance.iter_mut().zip(weights) {
             *radiance *= weight;
@@ -118,6 +191,27 @@ impl<F: Features> PathTracer<'_, F> {
     ) -> Vec<Vec3> {
         let scene = self.light_sampler.scene();
         direct_lighting_incoherent::<F>(scene, surfaces, rays, self.query_state, on_contribution)
+    }
+
+    /// Adds the light of emitters, balls and suns that the surfaces at the ends of paths reflect.
+    fn add_sampled_lights(&mut self, paths: &[PathState], hit: &HitSurfaces, direct: &mut [Vec3]) {
+        let scene = self.light_sampler.scene();
+        if !has_sampled_lights(scene) {
+            return;
+        }
+        let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
+        let query_state = &mut *self.query_state;
+        let closest =
+            |rays: &[Ray], hits: &mut [_]| scene.closest_incoherent(rays, hits, query_state);
+        let schedule = self.schedule;
+        let numbers = |i: usize, surface: &SurfaceInteraction| ShadowNumbers {
+            sequence: paths[i].sequence,
+            index: paths[i].index,
+            depth: paths[i].depth,
+            rays: schedule.shadow_rays(&paths[i]),
+            cosine_rays: schedule.cosine_rays::<F>(&paths[i], surface),
+        };
+        add_sampled_lights::<F>(scene, hit, &rays, numbers, closest, direct);
     }
 
     /// The radiance that the surfaces at the ends of paths send back along their last rays, given the reflected
@@ -138,10 +232,10 @@ impl<F: Features> PathTracer<'_, F> {
                 radiance[parent] = self.scene().background;
                 continue;
             };
-            let base_weight = surface.bsdf.base_weight::<F>();
             let mirror = surface.bsdf.mirror_weight::<F>();
-            let diffuse = base_weight * surface.bsdf.diffuse;
-            radiance[parent] = base_weight * direct[parent];
+            let diffuse = diffuse::<F>(surface);
+            radiance[parent] =
+                surface.bsdf.base_weight::<F>() * direct[parent] + hit.emitted(parent);
             let mut emit = |throughput, path| {
                 splits.push(SplitPath {
                     parent,
@@ -149,7 +243,7 @@ impl<F: Features> PathTracer<'_, F> {
                     path,
                 });
             };
-            if path.depth == self.bounces {
+            if path.depth == self.schedule.bounces {
                 radiance[parent] += (diffuse + mirror) * ambient(self.scene());
             } else if path.diffuse_bounces == 0 {
                 // Up to the first diffuse bounce both lobes are followed.
@@ -175,7 +269,7 @@ impl<F: Features> PathTracer<'_, F> {
         let cache = self.cache?;
         let point = &surface.point;
         let distance = (point.position - path.ray.origin).length();
-        let bounces_left = self.bounces - path.depth;
+        let bounces_left = self.schedule.bounces - path.depth;
         cache.mean_radiance(point.position, point.shading_normal, bounces_left, distance)
     }
 
@@ -246,16 +340,16 @@ impl<F: Features> PathTracer<'_, F> {
         mirror: Vec3,
         emit: &mut impl FnMut(Vec3, PathState),
     ) {
-        let (diffuse_sum, mirror_sum) = (diffuse.element_sum(), mirror.element_sum());
-        if diffuse_sum + mirror_sum == 0.0 {
+        if diffuse == Vec3::ZERO && mirror == Vec3::ZERO {
             return;
         }
         let mirror_probability = if F::MIRRORS {
-            mirror_sum / (diffuse_sum + mirror_sum)
+            mirror_probability(diffuse, mirror)
         } else {
             0.0
         };
-        let count = self.splits.get(path.diffuse_bounces).copied().unwrap_or(1);
+        let count = self.schedule.splits(path);
+        let emission = self.schedule.emission::<F>(path, surface);
         let (diffuse, mirror) = (diffuse / count as f32, mirror / count as f32);
         let diffuse = diffuse / (1.0 - mirror_probability);
         for i in 0..count {
@@ -264,6 +358,7 @@ impl<F: Features> PathTracer<'_, F> {
                 diffuse_bounces: path.diffuse_bounces + 1,
                 index: path.index.wrapping_mul(count).wrapping_add(i),
                 technique: Technique::Single,
+                emission,
                 ..*path
             };
             let by_mirror = mirror_probability > 0.0
@@ -327,6 +422,7 @@ fn follow_mirror<F: Features>(
             ray: spawn_reflected_ray(surface, &path.ray),
             depth: path.depth + 1,
             technique: Technique::Single,
+            emission: Emission::Seen,
             ..*path
         };
         emit(throughput, next);

@@ -7,9 +7,9 @@ use super::feature_sets::for_each_feature_set;
 use super::final_gather::FinalGather;
 use super::hit_surfaces::{ambient, coherent_surfaces};
 use super::light_sampler::LightSampler;
-use super::path_tracer::PathTracer;
+use super::path_tracer::{PathTracer, Schedule};
 use super::settings::IntegratorSettings;
-use super::whitted::{self, Wavefront};
+use super::whitted::{CameraLight, Wavefront};
 use crate::accel::QueryState;
 use crate::irradiance_cache::IrradianceCache;
 use crate::material::{FeatureSet, Features};
@@ -25,6 +25,8 @@ use thiserror::Error;
 #[derive(Clone, Debug)]
 pub struct Integrator<'a> {
     scene: &'a Scene,
+    /// See [`Integrator::with_shadow_rays`].
+    shadow_rays: u32,
     method: Method<'a>,
 }
 
@@ -93,7 +95,18 @@ impl<'a> Integrator<'a> {
                 }
             }
         };
-        Ok(Integrator { scene, method })
+        Ok(Integrator {
+            scene,
+            shadow_rays: 1,
+            method,
+        })
+    }
+
+    /// The same integrator with this many shadow rays, at least one, from every surface that a camera sample sees, for all
+    /// emitters together, and for each sun that is not a point. One without.
+    pub fn with_shadow_rays(mut self, shadow_rays: u32) -> Integrator<'a> {
+        self.shadow_rays = shadow_rays;
+        self
     }
 
     /// The scene whose light it computes.
@@ -109,9 +122,14 @@ impl<'a> Integrator<'a> {
         }
     }
 
-    /// The same integrator with half of the paths, rounded up, from the first diffuse bounce. Itself if it does not
-    /// split.
+    /// How many shadow rays there are: see [`Integrator::with_shadow_rays`].
+    pub(crate) fn shadow_rays(&self) -> u32 {
+        self.shadow_rays
+    }
+
+    /// The same integrator with half of the paths from the first diffuse bounce, and of the shadow rays, rounded up.
     pub(crate) fn with_half_the_paths(mut self) -> Integrator<'a> {
+        self.shadow_rays = self.shadow_rays.div_ceil(2);
         if let Method::PathTraced { splits, .. } = &mut self.method
             && let Some(first) = splits.first_mut()
         {
@@ -154,14 +172,18 @@ fn radiance_for<F: Features>(
     let scene = integrator.scene;
     let rays: Vec<Ray> = samples.iter().map(|sample| sample.ray).collect();
     let hit = coherent_surfaces::<F>(scene, &rays, differentials, query_state);
-    let direct = direct_lighting_coherent::<F>(scene, &hit.surfaces, &rays, query_state);
+    let camera = CameraLight {
+        scene,
+        samples,
+        shadow_rays: integrator.shadow_rays,
+    };
     match &integrator.method {
         Method::Whitted { bounces } => {
             let ambient = ambient(scene);
             let indirect =
                 |wavefront: &Wavefront, _: &mut QueryState| vec![ambient; wavefront.surfaces.len()];
-            let first = Wavefront::of_camera(rays, hit, direct, *bounces);
-            whitted::radiance::<F>(scene, first, indirect, query_state, radiance);
+            let first = camera.first::<F>(rays, hit, *bounces, query_state);
+            camera.radiance::<F>(first, indirect, query_state, radiance);
         }
         Method::Cached {
             cache,
@@ -175,23 +197,28 @@ fn radiance_for<F: Features>(
             let indirect = |wavefront: &Wavefront, query_state: &mut QueryState| {
                 cached.indirect::<F>(wavefront, query_state)
             };
-            let first = Wavefront::of_camera(rays, hit, direct, cache.bounces());
-            whitted::radiance::<F>(scene, first, indirect, query_state, radiance);
+            let first = camera.first::<F>(rays, hit, cache.bounces(), query_state);
+            camera.radiance::<F>(first, indirect, query_state, radiance);
         }
         Method::PathTraced {
             bounces,
             splits,
             light_sampler,
         } => {
+            let direct = direct_lighting_coherent::<F>(scene, &hit.surfaces, &rays, query_state);
             let mut path_tracer = PathTracer::<F> {
                 light_sampler,
-                bounces: *bounces,
-                splits,
+                schedule: Schedule {
+                    bounces: *bounces,
+                    splits,
+                    shadow_rays: integrator.shadow_rays,
+                    counts_emitters_by_shadow_rays: false,
+                },
                 cache: None,
                 query_state,
                 features: PhantomData,
             };
-            path_tracer.camera_radiance(samples, &hit, &direct, radiance);
+            path_tracer.camera_radiance(samples, &hit, direct, radiance);
         }
     }
 }

@@ -234,7 +234,8 @@ impl Job {
     /// Checks that the memory suffices for its frames.
     pub fn check_room(&self) -> Result<(), JobError> {
         let RenderSettings { width, height, .. } = self.settings;
-        let need = FRAMES_IN_FLIGHT as u64 * frame_memory(&self.settings)[1];
+        let need =
+            FRAMES_IN_FLIGHT as u64 * frame_memory(&self.inputs.scene.scene, &self.settings)[1];
         let what = format!("frames of {width}x{height}");
         Ok(check_room(&what, need, "choose a smaller --size")?)
     }

@@ -66,16 +66,29 @@ impl Bsdf {
     /// arrives from `to_light` and leaves to `to_viewer` (Phong 1975). Zero for light from behind.
     #[inline(always)]
     pub fn eval_cos<F: Features>(&self, normal: Vec3, to_light: Vec3, to_viewer: Vec3) -> Vec3 {
+        let [diffuse, highlight] = self.lobes_cos::<F>(normal, to_light, to_viewer);
+        diffuse + highlight
+    }
+
+    /// The two terms of [`Bsdf::eval_cos`]: diffuse and highlight.
+    #[inline(always)]
+    pub fn lobes_cos<F: Features>(
+        &self,
+        normal: Vec3,
+        to_light: Vec3,
+        to_viewer: Vec3,
+    ) -> [Vec3; 2] {
         let cos = normal.dot(to_light);
         if cos <= 0.0 {
-            return Vec3::ZERO;
+            return [Vec3::ZERO; 2];
         }
-        let mut factor = self.diffuse * cos;
-        if F::HIGHLIGHTS && self.specular != Vec3::ZERO {
+        let highlight = if F::HIGHLIGHTS && self.specular != Vec3::ZERO {
             let highlight = reflect(to_light, normal).dot(to_viewer).max(0.0);
-            factor += self.specular * power(highlight, self.shininess);
-        }
-        factor
+            self.specular * power(highlight, self.shininess)
+        } else {
+            Vec3::ZERO
+        };
+        [self.diffuse * cos, highlight]
     }
 }
 

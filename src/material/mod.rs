@@ -13,4 +13,4 @@ mod parameters;
 
 pub use bsdf::{Bsdf, reflect};
 pub use features::{FeatureMask, FeatureSet, Features};
-pub use parameters::Material;
+pub use parameters::{Emission, Material};

@@ -5,6 +5,27 @@ use super::features::{FeatureSet, Features};
 use crate::texture::Texture;
 use glam::{Vec2, Vec3};
 
+/// The light that a surface sends out by itself, the same in all directions on the side that emits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emission {
+    /// The radiance, linear RGB in W/(sr m²), 0 or more; multiplied by the texture where there is one.
+    pub radiance: Vec3,
+    /// The index of a texture of the scene.
+    pub texture: Option<usize>,
+    /// Whether both sides emit; else only the front: the side that vertex normals point to or, without any, from which the
+    /// vertices of a triangle run counter-clockwise; of a sphere the outside.
+    pub is_two_sided: bool,
+}
+
+impl Emission {
+    /// No light.
+    pub const NONE: Emission = Emission {
+        radiance: Vec3::ZERO,
+        texture: None,
+        is_two_sided: false,
+    };
+}
+
 /// A material as the scene defines it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
@@ -18,6 +39,8 @@ pub struct Material {
     pub shininess: f32,
     /// Weight of the mirror, 0..1; that of the base layer is 1 less this.
     pub reflective: Vec3,
+    /// The light that it sends out.
+    pub emission: Emission,
 }
 
 impl Material {
@@ -29,6 +52,7 @@ impl Material {
             specular: Vec3::ZERO,
             shininess: 0.0,
             reflective: Vec3::ZERO,
+            emission: Emission::NONE,
         }
     }
 

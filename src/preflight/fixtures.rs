@@ -5,7 +5,7 @@ use crate::camera::{
     Segment,
 };
 use crate::geometry::{self, Sphere};
-use crate::light::{Falloff, PointLight};
+use crate::light::PointLight;
 use crate::material::Material;
 use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
 use glam::{DVec3, Vec3};
@@ -77,12 +77,10 @@ pub(super) fn scene(meshes: Vec<SourceMesh>, spheres: &[(DVec3, f64)]) -> Scene 
 
 /// A white light.
 pub(super) fn lamp(position: DVec3, intensity: f32) -> (DVec3, PointLight) {
-    let light = PointLight {
-        position: Vec3::ZERO,
-        intensity: Vec3::splat(intensity),
-        falloff: Falloff::InverseSquare,
-    };
-    (position, light)
+    (
+        position,
+        PointLight::isotropic(Vec3::ZERO, Vec3::splat(intensity)),
+    )
 }
 
 /// Shapes of a grey, the first material, or of the second, which is red; and lights.

@@ -2,13 +2,18 @@
 
 use super::SceneWarning;
 use crate::integrator::IntegratorSettings;
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneNames};
 use glam::Vec3;
 
-pub(super) fn find(scene: &Scene, integrator: &IntegratorSettings) -> Vec<SceneWarning> {
+pub(super) fn find(
+    scene: &Scene,
+    names: &SceneNames,
+    integrator: &IntegratorSettings,
+) -> Vec<SceneWarning> {
     let is_dark = |light: usize| scene.lights[light].intensity == Vec3::ZERO;
     let dark: Vec<usize> = (0..scene.lights.len()).filter(|&i| is_dark(i)).collect();
-    let is_unlit = dark.len() == scene.lights.len();
+    let has_sun = scene.suns.iter().any(|sun| sun.irradiance != Vec3::ZERO);
+    let is_unlit = dark.len() == scene.lights.len() && !has_sun && !scene.has_emitters();
     let [has_ambient, has_background] =
         [scene.ambient, scene.background].map(|color| color != Vec3::ZERO);
     // Ray tracing looks at the background only straight ahead and in mirrors.
@@ -27,7 +32,9 @@ pub(super) fn find(scene: &Scene, integrator: &IntegratorSettings) -> Vec<SceneW
         (true, _) if needs_light => Some(SceneWarning::AmbientOnly),
         _ => None,
     };
-    let dark = (!dark.is_empty()).then_some(SceneWarning::DarkLights { lights: dark });
+    let dark = (!dark.is_empty()).then(|| SceneWarning::DarkLights {
+        lights: dark.into_iter().map(|light| names.light(light)).collect(),
+    });
     dark.into_iter().chain(unlit).collect()
 }
 
@@ -49,10 +56,13 @@ mod tests {
             let mut scene = lit_scene(vec![hall()], &[], lights.collect());
             scene.ambient = Vec3::splat(ambient);
             scene.background = Vec3::splat(background);
-            find(&scene, integrator)
+            find(&scene, &SceneNames::default(), integrator)
         };
         let dark = |lights: &[usize]| SceneWarning::DarkLights {
-            lights: lights.to_vec(),
+            lights: lights
+                .iter()
+                .map(|light| format!("light {light}"))
+                .collect(),
         };
         for integrator in [&RAY_TRACED, &CACHED] {
             assert_eq!(found(0.0, 0.0, &[], integrator), [SceneWarning::Black]);
@@ -87,11 +97,15 @@ mod tests {
             meshes: vec![hall()],
             ..SceneBuilder::default()
         };
-        assert_eq!(find(&builder.build().0, &RAY_TRACED), []);
+        assert_eq!(
+            find(&builder.build().0, &SceneNames::default(), &RAY_TRACED),
+            []
+        );
     }
 
     #[test]
     fn a_scene_of_background_alone_needs_no_light() {
-        assert_eq!(find(&lit_scene(vec![], &[], vec![]), &RAY_TRACED), []);
+        let scene = lit_scene(vec![], &[], vec![]);
+        assert_eq!(find(&scene, &SceneNames::default(), &RAY_TRACED), []);
     }
 }

@@ -67,7 +67,7 @@ pub fn check_scene(
     integrator: &IntegratorSettings,
 ) -> Vec<SceneWarning> {
     let frames = FrameCameras::of(path);
-    let mut warnings = lights::find(scene, integrator);
+    let mut warnings = lights::find(scene, names, integrator);
     warnings.extend(sealed_lights::find(scene, names, &frames));
     warnings.extend(materials::find(scene, names));
     warnings.extend(duplicates::find(scene, names));

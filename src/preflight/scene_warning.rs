@@ -14,12 +14,13 @@ pub enum SceneWarning {
         Lights(lights)
     )]
     DarkLights {
-        /// Their indices.
-        lights: Vec<usize>,
+        /// Their names.
+        lights: Vec<String>,
     },
     /// No light, no ambient light and no background.
     #[error(
-        "there are no lights that shine, and ambient and background are 0, so every frame is black; add `lights`"
+        "there are no lights that shine, and ambient and background are 0, so every frame is black; add `lights`, \
+         or look at the scene with `--light camera`"
     )]
     Black,
     /// No light and no ambient light in a mode that does not gather light of the background.
@@ -37,11 +38,11 @@ pub enum SceneWarning {
     #[error(
         "{} at {} is inside {body}, which is closed and opaque and which the camera never enters: it lights nothing \
          that is seen; move it out",
-        Lights(&[*light]), Point(*position)
+        light, Point(*position)
     )]
     SealedLight {
-        /// Its index.
-        light: usize,
+        /// Its name.
+        light: String,
         /// Its position in world coordinates.
         position: DVec3,
         /// The object of the body.
@@ -94,15 +95,14 @@ pub enum SceneWarning {
     },
 }
 
-/// Displays lights by their indices.
-struct Lights<'a>(&'a [usize]);
+/// Displays the names of lights.
+struct Lights<'a>(&'a [String]);
 
 impl fmt::Display for Lights<'_> {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         /// Further ones are counted.
         const MAX_NAMED: usize = 8;
         let (named, others) = self.0.split_at(self.0.len().min(MAX_NAMED));
-        let named: Vec<String> = named.iter().map(|i| format!("lights[{i}]")).collect();
         write!(f, "{}{}", named.join(", "), Others(others.len(), "lights"))
     }
 }
@@ -126,7 +126,7 @@ mod tests {
     #[test]
     fn names_and_numbers_are_in_one_line() {
         let dark = SceneWarning::DarkLights {
-            lights: (0..10).collect(),
+            lights: (0..10).map(|i| format!("lights[{i}]")).collect(),
         };
         assert_eq!(
             dark.to_string(),
@@ -134,7 +134,7 @@ mod tests {
              too): intensity 0 gives no light; raise it, or leave the light out"
         );
         let sealed = SceneWarning::SealedLight {
-            light: 3,
+            light: "lights[3]".to_owned(),
             position: DVec3::new(1.0, 0.12345, -1e-6),
             body: "objects[2]".to_owned(),
         };

@@ -48,7 +48,7 @@ pub(super) fn find(scene: &Scene, names: &SceneNames, frames: &FrameCameras) -> 
             }
         };
         Some(SceneWarning::SealedLight {
-            light,
+            light: names.light(light),
             position: scene.origin + position.as_dvec3(),
             body,
         })
@@ -123,7 +123,7 @@ mod tests {
         spheres: &[(DVec3, f64)],
         lights: &[DVec3],
         outside: bool,
-    ) -> Vec<usize> {
+    ) -> Vec<String> {
         let lights = lights.iter().map(|position| lamp(*position, 1.0)).collect();
         let scene = lit_scene(meshes, spheres, lights);
         let x = if outside { 7.0 } else { 3.0 };
@@ -148,21 +148,24 @@ mod tests {
         let beside = DVec3::new(1.0, 3.0, 0.0);
         assert_eq!(
             sealed(vec![hall()], &[(BULB, 0.1)], &[beside, BULB], false),
-            [1]
+            ["light 1"]
         );
         for shade in [shade(), inverted(shade())] {
             assert_eq!(
                 sealed(vec![hall(), shade.clone()], &[], &[BULB, beside], false),
-                [0]
+                ["light 0"]
             );
-            assert_eq!(sealed(vec![shade], &[], &[beside, BULB], false), [1]);
+            assert_eq!(
+                sealed(vec![shade], &[], &[beside, BULB], false),
+                ["light 1"]
+            );
         }
         // Whatever else is inside.
         let filament = (BULB, 0.01);
         let near = BULB + 0.05;
         assert_eq!(
             sealed(vec![hall(), shade()], &[filament], &[near], false),
-            [0]
+            ["light 0"]
         );
     }
 
@@ -170,7 +173,7 @@ mod tests {
     fn a_lamp_in_a_room_is_not() {
         assert_eq!(
             sealed(vec![hall()], &[], &[BULB], false),
-            Vec::<usize>::new()
+            Vec::<String>::new()
         );
         assert_eq!(
             sealed(
@@ -179,17 +182,17 @@ mod tests {
                 &[BULB],
                 false
             ),
-            Vec::<usize>::new()
+            Vec::<String>::new()
         );
         // Behind a pillar, never seen.
         let pillar = cuboid(DVec3::new(-1.0, 0.0, -4.9), DVec3::new(2.9, 4.0, 4.9));
         let behind = DVec3::new(-3.0, 2.0, 0.0);
         assert_eq!(
             sealed(vec![hall(), pillar], &[], &[behind], false),
-            Vec::<usize>::new()
+            Vec::<String>::new()
         );
         // But of a room that the camera never enters.
-        assert_eq!(sealed(vec![hall()], &[], &[BULB], true), [0]);
+        assert_eq!(sealed(vec![hall()], &[], &[BULB], true), ["light 0"]);
     }
 
     #[test]
@@ -198,13 +201,13 @@ mod tests {
         open.triangles.truncate(10);
         assert_eq!(
             sealed(vec![hall(), open], &[], &[BULB], false),
-            Vec::<usize>::new()
+            Vec::<String>::new()
         );
         // Nor does a ball beside the lamp hold it, or a lamp on its surface.
         let beside = [(BULB + 0.2, 0.1), (BULB - DVec3::X, 1.0)];
         assert_eq!(
             sealed(vec![hall()], &beside, &[BULB], false),
-            Vec::<usize>::new()
+            Vec::<String>::new()
         );
     }
 }

@@ -13,6 +13,7 @@ use super::{PixelSampling, RenderSettings, Renderer};
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::metrics::normaliser;
+use crate::scene::Scene;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -98,13 +99,13 @@ pub fn tile_count(settings: &RenderSettings) -> u64 {
     Grid::of(settings).tiles()
 }
 
-/// Lower and upper bound of the bytes of memory that a frame takes while it is rendered and encoded.
-pub fn frame_memory(settings: &RenderSettings) -> [u64; 2] {
+/// Lower and upper bound of the bytes of memory that a frame of a scene takes while it is rendered and encoded.
+pub fn frame_memory(scene: &Scene, settings: &RenderSettings) -> [u64; 2] {
     // Per point: means and numbers of samples; of two half buffers also image, difference and expected errors; of
     // adaptive samples the moments of quadrants. The allocator returns less memory of small frames.
     let bytes = if settings.is_adaptive() {
         [140, 320]
-    } else if settings.is_noisy() {
+    } else if settings.is_noisy(scene) {
         [60, 200]
     } else {
         [20, 100]
@@ -187,7 +188,7 @@ impl Renderer<'_> {
             if observer.is_stopped() {
                 return None;
             }
-            let survey = Survey::new(samples, width, display_white, settings.is_noisy());
+            let survey = Survey::new(samples, width, display_white, self.is_noisy());
             let picture = self.picture(samples);
             let expected_errors = survey.expected_errors(&samples.counts, &picture.contrasts());
             let mut pictured = Pictured::new(expected_errors, picture);
@@ -269,7 +270,7 @@ impl Renderer<'_> {
     fn picture(&self, samples: &SampleAccumulator) -> Picture {
         let resolve = |points: Vec<Vec3>| resolve_pixels(&self.settings, points);
         let means = &samples.means;
-        let (film, half_difference): (Vec<Vec3>, _) = match self.settings.is_noisy() {
+        let (film, half_difference): (Vec<Vec3>, _) = match self.is_noisy() {
             false => (means.clone(), None),
             true => {
                 let halves = || means.par_chunks_exact(2);
@@ -282,7 +283,7 @@ impl Renderer<'_> {
             film: resolve(film),
             half_difference: half_difference.map(resolve),
             spacing: match self.settings.sampling {
-                PixelSampling::Corners if self.settings.is_noisy() => 2,
+                PixelSampling::Corners if self.is_noisy() => 2,
                 _ => 1,
             },
             display_white: self.settings.display_white,

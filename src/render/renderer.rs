@@ -25,7 +25,8 @@ impl<'a> Renderer<'a> {
         cache: Option<&'a IrradianceCache>,
     ) -> Result<Renderer<'a>, IntegratorError> {
         Ok(Renderer {
-            integrator: Integrator::new(scene, &settings.integrator, cache)?,
+            integrator: Integrator::new(scene, &settings.integrator, cache)?
+                .with_shadow_rays(settings.shadow_rays),
             settings,
             cache_errors: &[],
         })
@@ -53,6 +54,11 @@ impl<'a> Renderer<'a> {
     /// The same renderer with other camera samples.
     pub fn with_sampling(&self, sampling: PixelSampling) -> Renderer<'a> {
         self.with(|settings| settings.sampling = sampling)
+    }
+
+    /// Whether its frames have Monte Carlo noise: see [`RenderSettings::is_noisy`].
+    pub(super) fn is_noisy(&self) -> bool {
+        self.settings.is_noisy(self.scene())
     }
 
     /// The change leaves the integrator as it is.

@@ -99,7 +99,7 @@ impl QuadrantSums {
 ///
 /// Where there is Monte Carlo noise, they are in two independent half buffers, A and B, whose difference tells the
 /// variance of their mean: half of the samples each or, of a single sample, one each with half of the paths from the
-/// first diffuse bounce. Odd numbers are rounded up.
+/// first diffuse bounce, and of the shadow rays. Odd numbers are rounded up.
 pub(super) struct Sampler<'a> {
     rays: CameraRays,
     position: Position,
@@ -141,9 +141,9 @@ impl<'a> Sampler<'a> {
         };
         let mut integrator = integrator.clone();
         let mut half_buffers = 1;
-        if settings.is_noisy() {
+        if renderer.is_noisy() {
             half_buffers = 2;
-            if first == 1 && !integrator.splits().is_empty() {
+            if first == 1 {
                 integrator = integrator.with_half_the_paths();
             } else {
                 first = first.div_ceil(2);
@@ -183,13 +183,14 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// The most samples of a run: single precision tells 2^24 camera samples apart, and the indices of their paths have
-    /// 32 bits.
+    /// The most samples of a run: single precision tells 2^24 camera samples apart, and the indices of their paths and
+    /// shadow rays have 32 bits.
     pub(super) fn most(&self) -> u32 {
         let splits = self.integrator.splits().iter();
         let paths = splits.map(|&split| u64::from(split));
         let paths = paths.fold(1, u64::saturating_mul);
-        let samples = (1_u64 << 24).min((1_u64 << 32) / paths);
+        let rays = paths.max(self.integrator.shadow_rays().into());
+        let samples = (1_u64 << 24).min((1_u64 << 32) / rays);
         (samples as u32).max(self.first)
     }
 

@@ -2,6 +2,7 @@
 
 use super::ErrorEstimate;
 use crate::integrator::IntegratorSettings;
+use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// Everything beside scene and camera that decides a frame's pixels.
@@ -13,6 +14,9 @@ pub struct RenderSettings {
     pub height: u32,
     /// How the radiance along a camera ray is computed.
     pub integrator: IntegratorSettings,
+    /// How many shadow rays leave each surface that a camera sample sees, at least one: for all emitters and lights with a
+    /// radius together, and for each sun that is not a point.
+    pub shadow_rays: u32,
     /// Where in a pixel its camera samples lie.
     pub sampling: PixelSampling,
     /// Seeds the random numbers.
@@ -43,12 +47,16 @@ pub enum PixelSampling {
 }
 
 impl RenderSettings {
-    /// One sample in the middle of each pixel, seed 0, display white 1, no target error.
+    /// The default number of shadow rays.
+    pub const SHADOW_RAYS: u32 = 4;
+
+    /// One sample in the middle of each pixel, the default number of shadow rays, seed 0, display white 1, no target error.
     pub fn new(integrator: IntegratorSettings, width: u32, height: u32) -> RenderSettings {
         RenderSettings {
             width,
             height,
             integrator,
+            shadow_rays: RenderSettings::SHADOW_RAYS,
             sampling: PixelSampling::Center,
             seed: 0,
             lock_seed: false,
@@ -57,13 +65,14 @@ impl RenderSettings {
         }
     }
 
-    /// Whether samples of the same film position differ: Monte Carlo noise. Such frames are rendered in two independent
-    /// half buffers. Others have more evenly distributed samples without.
-    pub fn is_noisy(&self) -> bool {
-        matches!(
+    /// Whether samples of the same film position differ in a scene: Monte Carlo noise. Such frames are rendered in two
+    /// independent half buffers. Others have more evenly distributed samples without.
+    pub fn is_noisy(&self, scene: &Scene) -> bool {
+        let traces_paths = matches!(
             self.integrator,
             IntegratorSettings::PathTraced { bounces: 1.., .. }
-        )
+        );
+        traces_paths || scene.has_soft_shadows()
     }
 
     /// Whether pixels get as many samples as an error asks for.

@@ -25,7 +25,7 @@ pub fn uniform_sphere(u: f32, v: f32) -> Vec3 {
 /// A point uniform in the unit disk and its distance from the centre: the concentric map, which keeps the strata of
 /// the square compact.
 #[inline]
-fn concentric_disk(u: f32, v: f32) -> (Vec2, f32) {
+pub(super) fn concentric_disk(u: f32, v: f32) -> (Vec2, f32) {
     let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     if a == 0.0 && b == 0.0 {
         return (Vec2::ZERO, 0.0);

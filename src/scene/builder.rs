@@ -1,11 +1,12 @@
 //! Builds a scene from parts in world coordinates: chooses its origin, drops triangles without area, finds the features
 //! of its materials.
 
+use super::emitters::Emitters;
 use super::mesh_material::MeshMaterial;
 use super::resolved::{Scene, Triangle};
 use crate::accel::Bvh;
 use crate::geometry::{Mesh, Sphere};
-use crate::light::PointLight;
+use crate::light::{PointLight, Sun};
 use crate::material::Material;
 use crate::simd::Kernel;
 use crate::texture::Texture;
@@ -39,6 +40,8 @@ pub struct SceneBuilder {
     pub textures: Vec<Texture>,
     /// World positions and the lights; the position inside the light is ignored.
     pub lights: Vec<(DVec3, PointLight)>,
+    /// The suns.
+    pub suns: Vec<Sun>,
     /// Spheres in world coordinates with the indices of their materials.
     pub spheres: Vec<(Sphere, usize)>,
     /// Meshes.
@@ -113,9 +116,10 @@ impl SceneBuilder {
         let features = Material::features(used, mixes);
         let bvh = Bvh::new(&triangle_vertices, spheres.clone(), self.kernel);
         let bounds = bvh.bounds();
-        let scene = Scene {
+        let mut scene = Scene {
             origin,
             lights: lights.collect(),
+            suns: self.suns,
             ambient: self.ambient,
             background: self.background,
             mesh_materials,
@@ -128,7 +132,9 @@ impl SceneBuilder {
             magnitude: bounds.max.max(-bounds.min).max_element().max(0.0),
             meshes,
             spheres,
+            emitters: Emitters::default(),
         };
+        scene.emitters = scene.find_emitters();
         (scene, dropped)
     }
 

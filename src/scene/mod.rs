@@ -14,7 +14,7 @@
 //! - A mesh with a material per vertex has exactly one triangle.
 //! - Sphere radii are above 0.
 //! - Colours are linear RGB. Diffuse and mirror weights are in 0..1; specular weights, exponents, light intensities,
-//!   ambient and background are 0 or more.
+//!   emitted radiance, ambient and background are 0 or more.
 //! - Textures have at least one texel and are filtered as linear RGB in 0..1.
 //! - [`Scene::features`] holds every feature that a used material has; code that is compiled for fewer features than
 //!   these gives wrong colours.
@@ -23,6 +23,11 @@
 //! Knows nothing of files, cameras or integrators.
 
 mod builder;
+mod emission;
+mod emitter;
+mod emitters;
+mod find_emitters;
+mod light_groups;
 mod mesh_material;
 mod names;
 mod primitive;
@@ -34,6 +39,8 @@ mod surface_interaction;
 mod surface_point;
 
 pub use builder::{SceneBuilder, SourceMesh};
+pub use emitters::LightSample;
+pub use light_groups::{LightAmount, LightGroup};
 pub use mesh_material::MeshMaterial;
 pub use names::{MeshName, SceneNames};
 pub use resolved::Scene;

@@ -18,6 +18,8 @@ pub struct SceneNames {
     pub meshes: Vec<MeshName>,
     /// The object of each sphere.
     pub spheres: Vec<String>,
+    /// The point lights, as in `lights[0]`.
+    pub lights: Vec<String>,
 }
 
 impl SceneNames {
@@ -38,6 +40,12 @@ impl SceneNames {
     /// The number of the object of a mesh; that of the mesh where it has no name.
     pub fn object(&self, mesh: usize) -> usize {
         self.meshes.get(mesh).map_or(mesh, |name| name.object)
+    }
+
+    /// The name of a point light; its number where it has none.
+    pub fn light(&self, index: usize) -> String {
+        let name = self.lights.get(index).cloned();
+        name.unwrap_or_else(|| format!("light {index}"))
     }
 
     /// The name of a sphere; its number where it has none.

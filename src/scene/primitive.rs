@@ -43,6 +43,17 @@ impl Scene {
         &self.materials
     }
 
+    /// The indices of a primitive's materials: one, or those of a triangle's vertices.
+    pub(super) fn materials_of(&self, primitive: usize) -> &[usize] {
+        match self.triangles.get(primitive) {
+            Some(triangle) => match &self.mesh_materials[triangle.mesh as usize] {
+                MeshMaterial::Uniform(id) => std::slice::from_ref(id),
+                MeshMaterial::PerVertex(ids) => ids,
+            },
+            None => std::slice::from_ref(&self.sphere_materials[primitive - self.triangles.len()]),
+        }
+    }
+
     /// The indices of the materials that shapes have, rising.
     pub fn used_materials(&self) -> Vec<usize> {
         let mut used = vec![false; self.materials.len()];

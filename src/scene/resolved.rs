@@ -1,11 +1,12 @@
 //! A resolved scene and the ray queries on it.
 
+use super::emitters::Emitters;
 use super::mesh_material::MeshMaterial;
 use super::shadow_packet::ShadowPacket;
 use super::surface_point::SurfacePointPacket;
 use crate::accel::{Bvh, QueryState};
 use crate::geometry::{Hit, Mesh, Sphere, VertexIndices};
-use crate::light::PointLight;
+use crate::light::{PointLight, Sun};
 use crate::material::{FeatureSet, Material};
 use crate::math::{Aabb, Ray};
 use crate::simd::Kernel;
@@ -17,8 +18,10 @@ use glam::{DVec3, Vec3};
 pub struct Scene {
     /// The origin of scene space, in world coordinates.
     pub origin: DVec3,
-    /// The lights.
+    /// The point lights.
     pub lights: Vec<PointLight>,
+    /// The suns.
+    pub suns: Vec<Sun>,
     /// The ambient light, linear RGB: of it, 0.3 stands for all bounces that are not computed.
     pub ambient: Vec3,
     /// The radiance along a ray that leaves the scene, linear RGB in W/(sr m²).
@@ -30,6 +33,7 @@ pub struct Scene {
     pub(super) sphere_materials: Vec<usize>,
     pub(super) materials: Vec<Material>,
     pub(super) textures: Vec<Texture>,
+    pub(super) emitters: Emitters,
     /// The features of its used materials.
     pub(super) features: FeatureSet,
     pub(super) bvh: Bvh,
@@ -136,6 +140,10 @@ impl Scene {
         });
         let triangles = size_of_val(&*self.triangles);
         let textures = self.textures.iter().map(Texture::memory);
-        self.bvh.memory() + triangles + meshes.sum::<usize>() + textures.sum::<usize>()
+        self.bvh.memory()
+            + self.emitters.memory()
+            + triangles
+            + meshes.sum::<usize>()
+            + textures.sum::<usize>()
     }
 }

@@ -22,11 +22,17 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
+    /// Where rays leave the surface.
+    #[inline]
+    pub fn spawn_origin(&self) -> Vec3 {
+        self.position + self.geometric_normal * self.offset
+    }
+
     /// An endless ray that leaves the surface.
     #[inline]
     pub fn spawn_ray(&self, direction: Vec3) -> Ray {
         Ray {
-            origin: self.position + self.geometric_normal * self.offset,
+            origin: self.spawn_origin(),
             direction,
             t_max: f32::INFINITY,
             exclude: self.exclude,

@@ -5,7 +5,7 @@ use crate::accel::QueryState;
 use crate::camera::Camera;
 use crate::geometry::Hit;
 use crate::integrator::{CameraSample, Integrator, IntegratorSettings};
-use crate::light::{Falloff, PointLight};
+use crate::light::PointLight;
 use crate::material::Material;
 use crate::math::Ray;
 use crate::render::{RenderSettings, Renderer};
@@ -29,12 +29,10 @@ pub(super) fn perfect_mirror() -> Material {
 
 /// A grey light that falls off with the inverse square of the distance.
 pub(super) fn lamp(position: DVec3, intensity: f32) -> (DVec3, PointLight) {
-    let light = PointLight {
-        position: Vec3::ZERO,
-        intensity: Vec3::splat(intensity),
-        falloff: Falloff::InverseSquare,
-    };
-    (position, light)
+    (
+        position,
+        PointLight::isotropic(Vec3::ZERO, Vec3::splat(intensity)),
+    )
 }
 
 /// A scene of matte white meshes.

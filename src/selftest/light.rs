@@ -160,9 +160,8 @@ pub(super) fn near_and_far(kernel: Kernel) -> f64 {
         |y: f64| Polyhedron::quad(DVec3::new(-2.0, y, 2.0), 4.0 * DVec3::X, -4.0 * DVec3::Z);
     let lit = |position: DVec3, intensity: f64, falloff: Falloff, ceiling: Option<f64>| {
         let light = PointLight {
-            position: Vec3::ZERO,
-            intensity: Vec3::splat(intensity as f32),
             falloff,
+            ..PointLight::isotropic(Vec3::ZERO, Vec3::splat(intensity as f32))
         };
         let builder = SceneBuilder {
             materials: vec![Material::lambert(Vec3::splat(0.5))],

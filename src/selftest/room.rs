@@ -73,6 +73,7 @@ pub(super) fn room(scale: f64, middle: DVec3, kernel: Kernel) -> (Scene, Camera)
             lamp(at(-0.3, 0.4, 0.2), scaled_intensity(0.4)),
             lamp(at(0.35, 0.3, -0.1), scaled_intensity(0.2)),
         ],
+        suns: Vec::new(),
         spheres: vec![
             (ball(DVec3::new(0.22, -0.28, -0.2), 0.2), 2),
             (ball(DVec3::new(0.05, -0.4, 0.1), 0.07), 1),

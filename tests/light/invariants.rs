@@ -5,7 +5,7 @@ use crate::support::*;
 use flythrough::accel::QueryState;
 use flythrough::camera::Camera;
 use flythrough::integrator::{CameraSample, Integrator, LightSampler};
-use flythrough::light::{Falloff, PointLight};
+use flythrough::light::PointLight;
 use flythrough::math::Ray;
 use flythrough::sampling::{SobolSequence, uniform_sphere};
 use flythrough::scene::Scene;
@@ -146,11 +146,10 @@ fn light_and_eye_may_be_exchanged() {
     let positions = [DVec3::new(0.6, 0.85, -0.3), DVec3::new(-0.8, -0.2, 0.5)];
     let around = |eye: DVec3, light: DVec3, seeds: std::ops::Range<u32>| {
         let mut scene = scene(&without_mirror);
-        scene.lights = vec![PointLight {
-            position: (light - scene.origin).as_vec3(),
-            intensity: Vec3::ONE,
-            falloff: Falloff::InverseSquare,
-        }];
+        scene.lights = vec![PointLight::isotropic(
+            (light - scene.origin).as_vec3(),
+            Vec3::ONE,
+        )];
         assert!(!LightSampler::new(&scene).is_empty());
         let run = |seed| {
             let of_bounces = |bounces| radiance_around(&scene, eye, bounces, seed);

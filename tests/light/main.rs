@@ -5,6 +5,7 @@
 mod support;
 
 mod convergence;
+mod emitters;
 mod global_illumination;
 mod invariants;
 mod irradiance_cache;

@@ -12,7 +12,7 @@ use super::scene_file::{
 use super::settings_file::Settings;
 use super::{ron_file, texture_file};
 use crate::geometry::{Sphere, Transform};
-use crate::light::{Falloff, PointLight};
+use crate::light::{Falloff, PointLight, Sky};
 use crate::material::Material;
 use crate::memory::{MemoryRoom, room};
 use crate::scene::{MeshMaterial, MeshName, Scene, SceneBuilder, SceneNames, SourceMesh};
@@ -51,7 +51,7 @@ pub fn load_scene(file: &Path, files: &mut InputFiles) -> Result<SceneInput, Inp
         files,
         builder: SceneBuilder {
             ambient: check.color("ambient", parsed.ambient, MAX_RADIANCE)?,
-            background: check.color("background", parsed.background, MAX_RADIANCE)?,
+            sky: Sky::Uniform(check.color("background", parsed.background, MAX_RADIANCE)?),
             ..SceneBuilder::default()
         },
         materials: HashMap::new(),

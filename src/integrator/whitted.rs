@@ -72,7 +72,7 @@ pub(super) fn radiance<F: Features>(
             let throughput = wavefront.throughputs[i];
             let sum = &mut radiance[sample];
             let Some(surface) = &wavefront.surfaces[i] else {
-                *sum += throughput * scene.background;
+                *sum += throughput * scene.sky.radiance(wavefront.rays[i].direction);
                 continue;
             };
             let bsdf = &surface.bsdf;

@@ -10,3 +10,4 @@ mod invariants;
 mod irradiance_cache;
 mod mitsuba;
 mod physics;
+mod sky;

@@ -2,6 +2,7 @@
 
 use crate::memory::MemoryError;
 use crate::storage::FileError;
+use image::error::ImageFormatHint;
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -79,9 +80,9 @@ pub enum InputError {
         /// What the decoder says.
         source: image::ImageError,
     },
-    /// An image is too large for a texture.
+    /// An image is too large.
     #[error(
-        "{file}: an image of {width}x{height} texels; a texture may have up to {most}: make it smaller",
+        "{file}: an image of {width}x{height} texels; it may have up to {most}: make it smaller",
         file = .file.display()
     )]
     LargeImage {
@@ -93,5 +94,34 @@ pub enum InputError {
         height: u32,
         /// The largest number of texels.
         most: u64,
+    },
+    /// A file that is named as an image of the sky has no linear light.
+    #[error(
+        "{file}: its format is {format}; an image of the sky is an OpenEXR or a Radiance HDR file",
+        file = .file.display()
+    )]
+    NotSky {
+        /// The file.
+        file: PathBuf,
+        /// Its format.
+        format: ImageFormatHint,
+    },
+    /// A texel of an image is no radiance.
+    #[error(
+        "{file}: texel ({column}, {row}), from the upper left, is ({}, {}, {}): every channel must lie between 0 and \
+         {most:e}, also times the intensity",
+        channels[0], channels[1], channels[2], file = .file.display()
+    )]
+    Texel {
+        /// The file.
+        file: PathBuf,
+        /// Its column, from 0.
+        column: u32,
+        /// Its row, from 0.
+        row: u32,
+        /// Its channels in the file.
+        channels: [f32; 3],
+        /// The largest channel, in W/(sr m²).
+        most: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! Scene files, models, material libraries and textures, parsed, checked and resolved to a
+//! Scene files, models, material libraries, textures and images of the sky, parsed, checked and resolved to a
 //! [`Scene`](crate::scene::Scene) and [`Settings`].
 //!
 //! Colours in files are linear RGB, lengths metres, angles degrees, times seconds. Whatever is wrong is an
@@ -19,6 +19,8 @@ mod samples;
 mod scene_file;
 mod scene_loader;
 mod settings_file;
+mod sky_file;
+mod sky_map_file;
 mod statements;
 mod technique;
 mod texture_file;

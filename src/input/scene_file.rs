@@ -8,6 +8,7 @@ use super::check::Triple;
 use super::light_file::LightFile;
 use super::ron_file;
 use super::settings_file::Settings;
+use super::sky_file::SkyFile;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -15,7 +16,7 @@ use std::collections::BTreeMap;
 #[serde(rename = "Scene", deny_unknown_fields)]
 pub(super) struct SceneFile {
     #[serde(default)]
-    pub(super) background: Triple,
+    pub(super) background: SkyFile,
     #[serde(default)]
     pub(super) ambient: Triple,
     #[serde(default)]

@@ -10,7 +10,7 @@ use super::scene_file::{
     MaterialFile, ModelFile, ObjectFile, SceneFile, SphereFile, TriangleFile, one,
 };
 use super::settings_file::Settings;
-use super::{ron_file, texture_file};
+use super::{ron_file, sky_file, texture_file};
 use crate::geometry::{Sphere, Transform};
 use crate::light::{Cone, Falloff, PointLight, Sun};
 use crate::material::{Emission, Material};
@@ -45,13 +45,14 @@ pub fn load_scene(file: &Path, files: &mut InputFiles) -> Result<SceneInput, Inp
     if let Err(error) = parsed.settings.check() {
         return check.refuse(&format!("settings.{}", error.key), error.message);
     }
+    let sky = sky_file::load(&parsed.background, check, files)?;
     let mut loader = Loader {
         file,
         check,
         files,
         builder: SceneBuilder {
             ambient: check.color("ambient", parsed.ambient, MAX_RADIANCE)?,
-            background: check.color("background", parsed.background, MAX_RADIANCE)?,
+            sky,
             ..SceneBuilder::default()
         },
         materials: HashMap::new(),

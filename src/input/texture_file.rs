@@ -29,8 +29,8 @@ pub(super) fn decode(file: &Path, bytes: &[u8]) -> Result<(Texture, Option<Strin
     match reader.format() {
         Some(ImageFormat::Jpeg) => return decode_jpeg(file, bytes),
         // Its floats are linear and would be taken for sRGB.
-        Some(ImageFormat::OpenExr) => {
-            let format = ImageFormatHint::Exact(ImageFormat::OpenExr);
+        Some(format @ (ImageFormat::OpenExr | ImageFormat::Hdr)) => {
+            let format = ImageFormatHint::Exact(format);
             let kind = UnsupportedErrorKind::Format(format.clone());
             let error = UnsupportedError::from_format_and_kind(format, kind);
             return Err(refuse(ImageError::Unsupported(error)));
@@ -39,7 +39,7 @@ pub(super) fn decode(file: &Path, bytes: &[u8]) -> Result<(Texture, Option<Strin
     }
     let decoder = reader.into_decoder().map_err(refuse)?;
     let (width, height) = decoder.dimensions();
-    check_size(file, width, height)?;
+    check_size(file, width, height, BYTES_PER_TEXEL)?;
     let image = DynamicImage::from_decoder(decoder).map_err(refuse)?;
     let notice = unused(&image).map(str::to_owned);
     let rgb = image.into_rgb8();
@@ -54,7 +54,7 @@ fn decode_jpeg(file: &Path, bytes: &[u8]) -> Result<(Texture, Option<String>), I
         let message = match fault {
             Fault::Refused(message) => message,
             Fault::Large { width, height } => {
-                return match check_size(file, width, height) {
+                return match check_size(file, width, height, BYTES_PER_TEXEL) {
                     Err(error) => error,
                     // There is more room by now.
                     Ok(()) => refuse(
@@ -96,8 +96,13 @@ fn refuse(file: &Path, source: ImageError) -> InputError {
     }
 }
 
-/// Checks that an image of this size may be a texture, and that it fits into memory while it is decoded.
-fn check_size(file: &Path, width: u32, height: u32) -> Result<(), InputError> {
+/// Checks that an image is not too large, and that it fits into memory while it is decoded.
+pub(super) fn check_size(
+    file: &Path,
+    width: u32,
+    height: u32,
+    bytes_per_texel: u64,
+) -> Result<(), InputError> {
     let texels = u64::from(width) * u64::from(height);
     if texels > MAX_TEXELS {
         return Err(InputError::LargeImage {
@@ -107,7 +112,7 @@ fn check_size(file: &Path, width: u32, height: u32) -> Result<(), InputError> {
             most: MAX_TEXELS,
         });
     }
-    let need = texels * BYTES_PER_TEXEL;
+    let need = texels * bytes_per_texel;
     let what = format!("{}: an image of {width}x{height} texels", file.display());
     Ok(check_room(&what, need, "make it smaller")?)
 }

@@ -2,7 +2,7 @@
 //! 1986) and irradiance caching (Ward et al. 1988).
 //!
 //! An [`Integrator`] is built from plain [`IntegratorSettings`], a scene and, for cached light, an irradiance
-//! cache. A ray that leaves the scene returns the background; a path at its last bounce returns the ambient light.
+//! cache. A ray that leaves the scene returns the radiance of the sky; a path at its last bounce returns the ambient light.
 //!
 //! Paths advance in wavefronts; shadow rays are traced sixteen at a time. Code is compiled for each set of material
 //! features, and a scene's own set is chosen: what a scene does not use costs nothing (`cargo bench --bench features`).

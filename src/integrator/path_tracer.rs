@@ -229,7 +229,7 @@ impl<F: Features> PathTracer<'_, F> {
         let mut splits = Vec::with_capacity(WAVEFRONT_SIZE);
         for (parent, path) in paths.iter().enumerate() {
             let Some(surface) = &hit.surfaces[parent] else {
-                radiance[parent] = self.scene().background;
+                radiance[parent] = self.scene().sky.radiance(path.ray.direction);
                 continue;
             };
             let mirror = surface.bsdf.mirror_weight::<F>();

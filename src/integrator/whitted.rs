@@ -115,7 +115,7 @@ impl CameraLight<'_> {
                 let throughput = wavefront.throughputs[i];
                 let sum = &mut radiance[sample];
                 let Some(surface) = &wavefront.surfaces[i] else {
-                    *sum += throughput * scene.background;
+                    *sum += throughput * scene.sky.radiance(wavefront.rays[i].direction);
                     continue;
                 };
                 if let Some(emitted) = wavefront.emitted.get(i) {

@@ -1,7 +1,16 @@
-//! The sRGB transfer function (IEC 61966-2-1), both ways.
+//! The sRGB transfer function (IEC 61966-2-1), both ways, and luminance.
 //!
 //! Colours are linear RGB triples with sRGB primaries everywhere in the program;
-//! only textures come in and frames go out through these functions.
+//! only textures come in and frames go out through the transfer functions.
+
+use glam::{DVec3, Vec3};
+
+/// The luminance of a colour in its own unit: the Y of sRGB's primaries (IEC 61966-2-1).
+///
+/// In double precision it is 0 only for black, as long as no channel is negative.
+pub fn luminance(color: Vec3) -> f64 {
+    color.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722))
+}
 
 /// The linear value of an sRGB-encoded one, both in 0..1.
 pub fn srgb_to_linear(encoded: f32) -> f32 {
@@ -38,6 +47,12 @@ mod tests {
                 assert_eq!(back.round() as u32, code);
             }
         }
+    }
+
+    #[test]
+    fn white_has_luminance_1_and_the_darkest_blue_some() {
+        assert!((luminance(Vec3::ONE) - 1.0).abs() < 1e-12);
+        assert!(luminance(1e-45 * Vec3::Z) > 0.0);
     }
 
     #[test]

@@ -14,9 +14,8 @@ pub(super) fn find(
     let dark: Vec<usize> = (0..scene.lights.len()).filter(|&i| is_dark(i)).collect();
     let has_sun = scene.suns.iter().any(|sun| sun.irradiance != Vec3::ZERO);
     let is_unlit = dark.len() == scene.lights.len() && !has_sun && !scene.has_emitters();
-    let [has_ambient, has_background] =
-        [scene.ambient, scene.background].map(|color| color != Vec3::ZERO);
-    // Ray tracing looks at the background only straight ahead and in mirrors.
+    let has_ambient = scene.ambient != Vec3::ZERO;
+    // Ray tracing looks at the sky only straight ahead and in mirrors.
     let gathers =
         !matches!(integrator, IntegratorSettings::Whitted { .. }) && integrator.bounces() > 0;
     let shades = |id: usize| {
@@ -25,7 +24,7 @@ pub(super) fn find(
     };
     let needs_light = !gathers && scene.used_materials().into_iter().any(shades);
     let has_shapes = scene.triangle_count() + scene.sphere_count() > 0;
-    let unlit = match (has_ambient, has_background) {
+    let unlit = match (has_ambient, !scene.sky.is_black()) {
         _ if !is_unlit || !has_shapes => None,
         (false, false) => Some(SceneWarning::Black),
         (false, true) if needs_light => Some(SceneWarning::BlackSurfaces),
@@ -42,6 +41,7 @@ pub(super) fn find(
 mod tests {
     use super::super::fixtures::{hall, lamp, lit_scene};
     use super::*;
+    use crate::light::Sky;
     use crate::material::Material;
     use crate::scene::SceneBuilder;
     use glam::DVec3;
@@ -55,7 +55,7 @@ mod tests {
             let lights = intensities.iter().map(|&i| lamp(DVec3::Y, i));
             let mut scene = lit_scene(vec![hall()], &[], lights.collect());
             scene.ambient = Vec3::splat(ambient);
-            scene.background = Vec3::splat(background);
+            scene.sky = Sky::Uniform(Vec3::splat(background));
             find(&scene, &SceneNames::default(), integrator)
         };
         let dark = |lights: &[usize]| SceneWarning::DarkLights {
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn mirrors_need_no_light() {
         let builder = SceneBuilder {
-            background: Vec3::ONE,
+            sky: Sky::Uniform(Vec3::ONE),
             materials: vec![Material {
                 reflective: Vec3::ONE,
                 ..Material::lambert(Vec3::ONE)

@@ -6,7 +6,7 @@ use super::mesh_material::MeshMaterial;
 use super::resolved::{Scene, Triangle};
 use crate::accel::Bvh;
 use crate::geometry::{Mesh, Sphere};
-use crate::light::{PointLight, Sun};
+use crate::light::{PointLight, Sky, Sun};
 use crate::material::Material;
 use crate::simd::Kernel;
 use crate::texture::Texture;
@@ -32,8 +32,8 @@ pub struct SourceMesh {
 pub struct SceneBuilder {
     /// The ambient light, linear RGB.
     pub ambient: Vec3,
-    /// The radiance along a ray that leaves the scene, linear RGB in W/(sr m²).
-    pub background: Vec3,
+    /// What rays that leave the scene see.
+    pub sky: Sky,
     /// All materials.
     pub materials: Vec<Material>,
     /// All textures.
@@ -121,7 +121,7 @@ impl SceneBuilder {
             lights: lights.collect(),
             suns: self.suns,
             ambient: self.ambient,
-            background: self.background,
+            sky: self.sky,
             mesh_materials,
             triangles,
             sphere_materials,

@@ -122,7 +122,7 @@ impl Scene {
             let name = format!("surfaces of {}", names.material(material));
             add(name, count, LightAmount::Power, power);
         }
-        let background = self.background.as_dvec3();
+        let background = self.sky.mean_radiance().as_dvec3();
         add(
             "background".to_owned(),
             1,

@@ -14,7 +14,7 @@
 //! - A mesh with a material per vertex has exactly one triangle.
 //! - Sphere radii are above 0.
 //! - Colours are linear RGB. Diffuse and mirror weights are in 0..1; specular weights, exponents, light intensities,
-//!   emitted radiance, ambient and background are 0 or more.
+//!   emitted radiance, ambient light and the radiance of the sky are 0 or more.
 //! - Textures have at least one texel and are filtered as linear RGB in 0..1.
 //! - [`Scene::features`] holds every feature that a used material has; code that is compiled for fewer features than
 //!   these gives wrong colours.

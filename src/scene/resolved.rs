@@ -6,7 +6,7 @@ use super::shadow_packet::ShadowPacket;
 use super::surface_point::SurfacePointPacket;
 use crate::accel::{Bvh, QueryState};
 use crate::geometry::{Hit, Mesh, Sphere, VertexIndices};
-use crate::light::{PointLight, Sun};
+use crate::light::{PointLight, Sky, Sun};
 use crate::material::{FeatureSet, Material};
 use crate::math::{Aabb, Ray};
 use crate::simd::Kernel;
@@ -24,8 +24,8 @@ pub struct Scene {
     pub suns: Vec<Sun>,
     /// The ambient light, linear RGB: of it, 0.3 stands for all bounces that are not computed.
     pub ambient: Vec3,
-    /// The radiance along a ray that leaves the scene, linear RGB in W/(sr m²).
-    pub background: Vec3,
+    /// What rays that leave the scene see.
+    pub sky: Sky,
     pub(super) meshes: Vec<Mesh>,
     pub(super) mesh_materials: Vec<MeshMaterial>,
     pub(super) triangles: Vec<Triangle>,
@@ -133,17 +133,15 @@ impl Scene {
         &self.textures
     }
 
-    /// Bytes of geometry, acceleration structure and textures.
+    /// Bytes of geometry, acceleration structure, textures and the sky.
     pub fn memory(&self) -> usize {
         let meshes = self.meshes.iter().map(|mesh| {
             size_of_val(&*mesh.positions) + size_of_val(&*mesh.normals) + size_of_val(&*mesh.uvs)
         });
         let triangles = size_of_val(&*self.triangles);
         let textures = self.textures.iter().map(Texture::memory);
-        self.bvh.memory()
-            + self.emitters.memory()
-            + triangles
-            + meshes.sum::<usize>()
-            + textures.sum::<usize>()
+        let images = textures.sum::<usize>() + self.sky.memory();
+        let emitters = self.emitters.memory();
+        self.bvh.memory() + triangles + meshes.sum::<usize>() + emitters + images
     }
 }

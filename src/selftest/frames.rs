@@ -7,6 +7,7 @@ use super::textures::ReferenceTexture;
 use crate::camera::Camera;
 use crate::film::Film;
 use crate::integrator::IntegratorSettings;
+use crate::light::Sky;
 use crate::material::Material;
 use crate::render::{PixelSampling, RenderSettings};
 use crate::scene::{Scene, SceneBuilder, SourceMesh};
@@ -130,7 +131,7 @@ pub(super) fn through_a_wall(kernel: Kernel) -> f64 {
     let mirrored = front.moved(|p| -p);
     let builder = SceneBuilder {
         ambient: FULL_AMBIENT,
-        background: Vec3::Z,
+        sky: Sky::Uniform(Vec3::Z),
         materials: vec![Material::lambert(Vec3::X), Material::lambert(Vec3::Y)],
         meshes: vec![
             front.mesh(0),

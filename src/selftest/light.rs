@@ -7,7 +7,7 @@ use super::shapes::Polyhedron;
 use crate::accel::nearest_triangle;
 use crate::geometry::{Sphere, Transform};
 use crate::integrator::IntegratorSettings;
-use crate::light::{Falloff, PointLight};
+use crate::light::{Falloff, PointLight, Sky};
 use crate::material::Material;
 use crate::math::Ray;
 use crate::sampling::Random;
@@ -84,7 +84,7 @@ pub(super) fn mirror_corridor(kernel: Kernel) -> f64 {
     let ball = Sphere::new(DVec3::new(0.3, 0.0, -2.0), 0.1);
     let builder = SceneBuilder {
         ambient: Vec3::splat(1.0 / 0.3),
-        background: Vec3::ONE,
+        sky: Sky::Uniform(Vec3::ONE),
         materials: vec![perfect_mirror(), Material::lambert(Vec3::splat(0.25))],
         meshes: vec![wall(-1.0).mesh(0), wall(1.0).mesh(0)],
         spheres: vec![(ball, 1)],
@@ -130,7 +130,7 @@ pub(super) fn grazing_mirror(kernel: Kernel) -> f64 {
         };
         let builder = SceneBuilder {
             ambient: Vec3::splat(3.0),
-            background: Vec3::new(0.25, 0.5, 0.75),
+            sky: Sky::Uniform(Vec3::new(0.25, 0.5, 0.75)),
             materials: vec![perfect_mirror(), Material::lambert(Vec3::ONE)],
             meshes: vec![square(0.0).mesh(0), square(-1e-3).mesh(1)],
             kernel,
@@ -240,7 +240,7 @@ pub(super) fn furnace(kernel: Kernel) -> f64 {
                 ..Material::lambert(Vec3::splat(albedo))
             };
             let builder = SceneBuilder {
-                background: Vec3::ONE,
+                sky: Sky::Uniform(Vec3::ONE),
                 materials: vec![material],
                 spheres: vec![(ball, 0)],
                 kernel,

@@ -4,6 +4,7 @@ use super::fixtures::{camera_at, lamp, perfect_mirror};
 use super::shapes::Polyhedron;
 use crate::camera::Camera;
 use crate::geometry::Sphere;
+use crate::light::Sky;
 use crate::material::Material;
 use crate::scene::{MeshMaterial, Scene, SceneBuilder, SourceMesh};
 use crate::simd::Kernel;
@@ -51,7 +52,7 @@ pub(super) fn room(scale: f64, middle: DVec3, kernel: Kernel) -> (Scene, Camera)
     let scaled_intensity = |intensity: f64| (intensity * scale * scale) as f32;
     let builder = SceneBuilder {
         ambient: Vec3::splat(0.2),
-        background: Vec3::ZERO,
+        sky: Sky::default(),
         materials: vec![
             Material::lambert(Vec3::new(0.7, 0.6, 0.5)),
             Material {

@@ -7,6 +7,7 @@ mod support;
 mod bad_input;
 mod bad_models;
 mod bad_ron;
+mod bad_skies;
 mod camera_files;
 mod documented_examples;
 mod extremes;

@@ -11,3 +11,4 @@ mod invariants;
 mod irradiance_cache;
 mod mitsuba;
 mod physics;
+mod sky;

@@ -66,7 +66,7 @@ pub const MIN_TARGET_ERROR: f64 = 1e-6;
 pub const DEFAULT_ERROR: f64 = 2e-4;
 
 /// The same where light is path traced: noise is hardly visible.
-pub const DEFAULT_PATH_TRACED_ERROR: f64 = 1e-3;
+pub const DEFAULT_PATH_TRACED_ERROR: f64 = RenderSettings::NOISE;
 
 /// A setting that is out of range or does not go with another.
 #[derive(Debug, Error, PartialEq)]

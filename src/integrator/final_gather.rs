@@ -5,6 +5,7 @@ use super::hit_surfaces::HitSurfaces;
 use super::light_sampler::LightSampler;
 use super::path_state::{Emission, PathState, Technique};
 use super::path_tracer::{PathTracer, Schedule};
+use super::sky_sampler::SkySampler;
 use crate::accel::QueryState;
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::{Bsdf, FeatureSet, Features};
@@ -29,6 +30,7 @@ pub struct GatherPoint {
 #[derive(Clone, Debug)]
 pub struct FinalGather<'a> {
     light_sampler: LightSampler<'a>,
+    sky: Option<SkySampler>,
 }
 
 impl<'a> FinalGather<'a> {
@@ -36,7 +38,13 @@ impl<'a> FinalGather<'a> {
     pub fn new(scene: &'a Scene) -> FinalGather<'a> {
         FinalGather {
             light_sampler: LightSampler::new(scene),
+            sky: SkySampler::new(scene),
         }
+    }
+
+    /// What samples the sky; none where it is black.
+    pub(super) fn sky(&self) -> Option<&SkySampler> {
+        self.sky.as_ref()
     }
 
     pub(super) fn scene(&self) -> &'a Scene {
@@ -44,7 +52,8 @@ impl<'a> FinalGather<'a> {
     }
 
     /// The cosine-weighted mean radiance that arrives at points from their hemispheres, by paths of up to
-    /// `bounces_left` bounces, at least one. Light that comes straight from emitters is not part of it.
+    /// `bounces_left` bounces, at least one. Light that comes straight from emitters and the
+    /// sky is not part of it.
     ///
     /// Each is an estimate of `paths` paths. With a cache, paths end beyond the first bounce where it has records;
     /// without one the estimate is unbiased.
@@ -97,6 +106,7 @@ pub(super) fn gather_for<F: Features>(
             shadow_rays: 1,
             counts_emitters_by_shadow_rays: true,
         },
+        sky: final_gather.sky.as_ref(),
         cache,
         query_state,
         features: PhantomData,

@@ -31,6 +31,8 @@ mod path_tracer;
 mod radiance;
 mod sampled_lights;
 mod settings;
+mod sky_guide;
+mod sky_sampler;
 mod visible_points;
 mod whitted;
 

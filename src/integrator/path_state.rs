@@ -2,6 +2,7 @@
 //! (Veach and Guibas 1995, "Optimally Combining Sampling Techniques for Monte Carlo Rendering").
 
 use super::sampled_lights::balance_heuristic;
+use super::sky_sampler::SkySampler;
 use crate::geometry::Hit;
 use crate::math::{NO_PRIMITIVE, Ray};
 use crate::sampling::SobolSequence;
@@ -27,7 +28,7 @@ pub(super) struct PathState {
     pub(super) emission: Emission,
 }
 
-/// How much of the light counts that an emitter sends along the last ray of a path.
+/// How much of the light counts that an emitter or the sky sends along the last ray of a path.
 #[derive(Clone, Copy)]
 pub(super) enum Emission {
     /// All: camera and mirror rays.
@@ -116,6 +117,29 @@ impl PathState {
                 let cosine_pdf = shading_normal.dot(self.ray.direction).max(0.0) / PI;
                 let emitter_pdf = scene.emitter_pdf(shading_normal, &self.ray, hit);
                 balance_heuristic(cosine_rays, cosine_pdf, shadow_rays, emitter_pdf)
+            }
+        }
+    }
+
+    /// The weight of the light of the sky along the last ray, which leaves the scene, given what samples the sky by shadow
+    /// rays.
+    pub(super) fn sky_weight(&self, scene: &Scene, sky: Option<&SkySampler>) -> f32 {
+        match (self.emission, sky) {
+            (Emission::Seen, _) | (_, None) => 1.0,
+            (Emission::Sampled, _) => 0.0,
+            (
+                Emission::Weighted {
+                    shading_normal,
+                    cosine_rays,
+                    shadow_rays,
+                },
+                Some(sky),
+            ) => {
+                let direction = self.ray.direction;
+                let techniques = sky.techniques(scene, self.ray.origin, shading_normal);
+                let cosine_pdf = shading_normal.dot(direction).max(0.0) / PI;
+                let sky_pdf = techniques.pdf(direction);
+                balance_heuristic(cosine_rays, cosine_pdf, shadow_rays, sky_pdf)
             }
         }
     }

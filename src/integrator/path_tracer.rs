@@ -7,6 +7,7 @@ use super::hit_surfaces::{HitSurfaces, ambient, spawn_reflected_ray, surfaces};
 use super::light_sampler::LightSampler;
 use super::path_state::{Emission, PathState, Technique};
 use super::sampled_lights::{ShadowNumbers, add_sampled_lights, has_sampled_lights};
+use super::sky_sampler::SkySampler;
 use crate::accel::QueryState;
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::Features;
@@ -40,7 +41,7 @@ pub(super) struct Schedule<'a> {
     pub(super) splits: &'a [u32],
     /// How many shadow rays there are for emitters, and for each sun, before the first diffuse bounce; 1 beyond.
     pub(super) shadow_rays: u32,
-    /// Whether shadow rays alone count light straight from emitters: where paths may end in cached light, which goes
+    /// Whether shadow rays alone count light straight from emitters and the sky: where paths may end in cached light, which goes
     /// without, or start at points that are gathered for.
     pub(super) counts_emitters_by_shadow_rays: bool,
 }
@@ -100,13 +101,15 @@ fn mirror_probability(diffuse: Vec3, mirror: Vec3) -> f32 {
 pub(super) struct PathTracer<'a, F> {
     pub(super) light_sampler: &'a LightSampler<'a>,
     pub(super) schedule: Schedule<'a>,
+    /// Samples the sky; none where it is black.
+    pub(super) sky: Option<&'a SkySampler>,
     /// Ends paths beyond the first diffuse bounce where it has records.
     pub(super) cache: Option<&'a SecondaryIrradiance>,
     pub(super) query_state: &'a mut QueryState,
     pub(super) features: PhantomData<F>,
 }
 
-impl<F: Features> PathTracer<'_, F> {
+impl<'a, F: Features> PathTracer<'a, F> {
     /// Unbiased estimates of the radiance along camera rays, given the surfaces that they hit and the direct light
     /// there. Caustics, light that a mirror reflects from a point light onto a surface, are not included.
     pub(super) fn camera_radiance(
@@ -132,6 +135,12 @@ impl<F: Features> PathTracer<'_, F> {
 
     fn scene(&self) -> &Scene {
         self.light_sampler.scene()
+    }
+
+    /// What samples the sky by shadow rays; none if paths alone find it.
+    fn sky(&self) -> Option<&'a SkySampler> {
+        let counts_all = self.schedule.counts_emitters_by_shadow_rays;
+        self.sky.filter(|sky| sky.guides_paths || counts_all)
     }
 
     /// The incident radiance along the last rays of up to [`WAVEFRONT_SIZE`] paths, with textures filtered over the
@@ -196,7 +205,8 @@ impl<F: Features> PathTracer<'_, F> {
     /// Adds the light of emitters, balls and suns that the surfaces at the ends of paths reflect.
     fn add_sampled_lights(&mut self, paths: &[PathState], hit: &HitSurfaces, direct: &mut [Vec3]) {
         let scene = self.light_sampler.scene();
-        if !has_sampled_lights(scene) {
+        let sky = self.sky();
+        if !has_sampled_lights(scene, sky) {
             return;
         }
         let rays: Vec<Ray> = paths.iter().map(|path| path.ray).collect();
@@ -210,8 +220,9 @@ impl<F: Features> PathTracer<'_, F> {
             depth: paths[i].depth,
             rays: schedule.shadow_rays(&paths[i]),
             cosine_rays: schedule.cosine_rays::<F>(&paths[i], surface),
+            reaches_sky: paths[i].depth < schedule.bounces,
         };
-        add_sampled_lights::<F>(scene, hit, &rays, numbers, closest, direct);
+        add_sampled_lights::<F>(scene, sky, hit, &rays, numbers, closest, direct);
     }
 
     /// The radiance that the surfaces at the ends of paths send back along their last rays, given the reflected
@@ -229,7 +240,8 @@ impl<F: Features> PathTracer<'_, F> {
         let mut splits = Vec::with_capacity(WAVEFRONT_SIZE);
         for (parent, path) in paths.iter().enumerate() {
             let Some(surface) = &hit.surfaces[parent] else {
-                radiance[parent] = self.scene().sky.radiance(path.ray.direction);
+                let weight = path.sky_weight(self.scene(), self.sky());
+                radiance[parent] = weight * self.scene().sky.radiance(path.ray.direction);
                 continue;
             };
             let mirror = surface.bsdf.mirror_weight::<F>();

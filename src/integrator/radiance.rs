@@ -9,6 +9,8 @@ use super::hit_surfaces::{ambient, coherent_surfaces};
 use super::light_sampler::LightSampler;
 use super::path_tracer::{PathTracer, Schedule};
 use super::settings::IntegratorSettings;
+use super::sky_sampler::SkySampler;
+use super::visible_points::visible_points;
 use super::whitted::{CameraLight, Wavefront};
 use crate::accel::QueryState;
 use crate::irradiance_cache::IrradianceCache;
@@ -39,6 +41,7 @@ enum Method<'a> {
         bounces: u32,
         splits: Vec<u32>,
         light_sampler: LightSampler<'a>,
+        sky: Option<SkySampler>,
     },
     Cached {
         cache: &'a IrradianceCache,
@@ -80,6 +83,7 @@ impl<'a> Integrator<'a> {
                 bounces: *bounces,
                 splits: splits.clone(),
                 light_sampler: LightSampler::new(scene),
+                sky: SkySampler::new(scene),
             },
             IntegratorSettings::Cached { bounces } => {
                 let cache = cache.ok_or(IntegratorError::MissingCache)?;
@@ -138,6 +142,24 @@ impl<'a> Integrator<'a> {
         self
     }
 
+    /// The same integrator for a camera that some rays stand for: in a room paths look for the sky through its windows.
+    pub(crate) fn for_camera(
+        mut self,
+        rays: &[Ray],
+        query_state: &mut QueryState,
+    ) -> Integrator<'a> {
+        if let Method::PathTraced {
+            bounces: 1.., sky, ..
+        } = &mut self.method
+            && let Some(of_scene) = sky.take()
+        {
+            let seen = visible_points(self.scene, rays, 1, query_state);
+            let points = seen.iter().map(|visible| &visible.point);
+            *sky = Some(of_scene.for_surfaces(self.scene, points));
+        }
+        self
+    }
+
     /// The radiance along each of the camera rays. The result of a ray does not depend on the others; coherent rays
     /// are faster.
     ///
@@ -176,6 +198,10 @@ fn radiance_for<F: Features>(
         scene,
         samples,
         shadow_rays: integrator.shadow_rays,
+        sky: match &integrator.method {
+            Method::Cached { final_gather, .. } => final_gather.sky(),
+            Method::Whitted { .. } | Method::PathTraced { .. } => None,
+        },
     };
     match &integrator.method {
         Method::Whitted { bounces } => {
@@ -204,6 +230,7 @@ fn radiance_for<F: Features>(
             bounces,
             splits,
             light_sampler,
+            sky,
         } => {
             let direct = direct_lighting_coherent::<F>(scene, &hit.surfaces, &rays, query_state);
             let mut path_tracer = PathTracer::<F> {
@@ -214,6 +241,7 @@ fn radiance_for<F: Features>(
                     shadow_rays: integrator.shadow_rays,
                     counts_emitters_by_shadow_rays: false,
                 },
+                sky: sky.as_ref(),
                 cache: None,
                 query_state,
                 features: PhantomData,

@@ -1,9 +1,10 @@
-//! Direct light of emitters, balls and suns, by shadow rays in sampled directions.
+//! Direct light of emitters, balls, suns and the sky, by shadow rays in sampled directions.
 //!
 //! Shadow rays look for the closest hit: what a light's ray meets first is decided by the same exact distances as what
 //! the camera sees, so a wall that touches a lamp hides it.
 
 use super::hit_surfaces::HitSurfaces;
+use super::sky_sampler::{SkySampler, SkyTechniques};
 use crate::geometry::Hit;
 use crate::material::Features;
 use crate::math::{NO_PRIMITIVE, Ray};
@@ -17,6 +18,7 @@ const BATCH: usize = 256;
 
 /// The first pair of random numbers for shadow rays, by depth: above those of paths and of rays from lights.
 const SHADOW_DIMENSION_OFFSET: u32 = 2 << 16;
+const SKY_DIMENSION_OFFSET: u32 = 3 << 16;
 
 /// Where the shadow rays of a surface get their random numbers.
 #[derive(Clone, Copy)]
@@ -31,6 +33,8 @@ pub(super) struct ShadowNumbers {
     /// How many directions are sampled by the cosine as well, and count for emitters that they hit: multiple importance
     /// sampling.
     pub(super) cosine_rays: f32,
+    /// Whether there are shadow rays to the sky, too.
+    pub(super) reaches_sky: bool,
 }
 
 /// A shadow ray and what it brings.
@@ -41,9 +45,9 @@ struct ShadowRay {
     light: Vec3,
 }
 
-/// Whether a scene has lights that are sampled.
-pub(super) fn has_sampled_lights(scene: &Scene) -> bool {
-    scene.has_emitters() || !scene.suns.is_empty()
+/// Whether a scene has lights that are sampled, given how its sky is.
+pub(super) fn has_sampled_lights(scene: &Scene, sky: Option<&SkySampler>) -> bool {
+    scene.has_emitters() || !scene.suns.is_empty() || sky.is_some()
 }
 
 /// The balance heuristic (Veach and Guibas 1995): the weight of the light that is sampled with a pdf by `rays`, where
@@ -54,10 +58,11 @@ pub(super) fn balance_heuristic(rays: f32, pdf: f32, other_rays: f32, other_pdf:
     1.0 / (1.0 + other / density)
 }
 
-/// Adds the light of emitters, balls and suns that the surfaces' base layers, without their mirrors, reflect against
-/// `rays`. `closest` traces rays.
+/// Adds the light of emitters, balls, suns and, by `sky`, the sky that the surfaces' base layers, without their mirrors,
+/// reflect against `rays`. `closest` traces rays. Highlights do not answer the sky.
 pub(super) fn add_sampled_lights<F: Features>(
     scene: &Scene,
+    sky: Option<&SkySampler>,
     hit: &HitSurfaces,
     rays: &[Ray],
     numbers: impl Fn(usize, &SurfaceInteraction) -> ShadowNumbers,
@@ -85,14 +90,22 @@ pub(super) fn add_sampled_lights<F: Features>(
         }
         let numbers = numbers(index, surface);
         let to_viewer = -rays[index].direction;
+        let point = &surface.point;
+        let techniques = sky
+            .filter(|_| numbers.reaches_sky && surface.bsdf.diffuse != Vec3::ZERO)
+            .map(|sky| sky.techniques(scene, point.spawn_origin(), point.shading_normal));
         for ray in 0..numbers.rays {
-            numbers.sample::<F>(scene, surface, to_viewer, ray, |sample, light| {
+            let mut add = |sample, light| {
                 batch.push(ShadowRay {
                     surface: index,
                     sample,
                     light,
                 });
-            });
+            };
+            numbers.sample::<F>(scene, surface, to_viewer, ray, &mut add);
+            if let Some(techniques) = &techniques {
+                numbers.sample_sky(scene, techniques, surface, ray, &mut add);
+            }
             if batch.len() >= BATCH {
                 trace(&mut batch);
             }
@@ -109,7 +122,7 @@ impl ShadowNumbers {
         surface: &SurfaceInteraction,
         to_viewer: Vec3,
         ray: u32,
-        mut add: impl FnMut(LightSample, Vec3),
+        add: &mut impl FnMut(LightSample, Vec3),
     ) {
         let ShadowNumbers { sequence, rays, .. } = *self;
         let index = self.index.wrapping_mul(rays).wrapping_add(ray);
@@ -156,15 +169,34 @@ impl ShadowNumbers {
                 .eval_cos::<F>(point.shading_normal, direction, to_viewer);
             let light = reflected * irradiance / (PI * rays as f32);
             if light != Vec3::ZERO {
-                let sample = LightSample {
-                    ray: point.spawn_ray(direction),
-                    distance: f64::INFINITY,
-                    primitive: NO_PRIMITIVE,
-                    radiance: irradiance,
-                    pdf: 1.0,
-                };
-                add(sample, light);
+                add(LightSample::at_infinity(point, direction), light);
             }
+        }
+    }
+
+    /// Samples one shadow ray for the sky.
+    fn sample_sky(
+        &self,
+        scene: &Scene,
+        techniques: &SkyTechniques,
+        surface: &SurfaceInteraction,
+        ray: u32,
+        add: &mut impl FnMut(LightSample, Vec3),
+    ) {
+        let point = &surface.point;
+        let index = self.index.wrapping_mul(self.rays).wrapping_add(ray);
+        let pair = SKY_DIMENSION_OFFSET + self.depth;
+        let choice = self.sequence.sample_1d(index, pair);
+        let (direction, pdf) = techniques.sample(choice, self.sequence.sample_2d(index, pair));
+        let cosine = direction.dot(point.shading_normal);
+        if cosine <= 0.0 || direction.dot(point.geometric_normal) <= 0.0 {
+            return;
+        }
+        let weight = balance_heuristic(self.rays as f32, pdf, self.cosine_rays, cosine / PI);
+        let reflected = surface.bsdf.diffuse * (weight * cosine / (PI * pdf * self.rays as f32));
+        let light = reflected * scene.sky.radiance(direction);
+        if light != Vec3::ZERO && light.is_finite() {
+            add(LightSample::at_infinity(point, direction), light);
         }
     }
 }

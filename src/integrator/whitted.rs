@@ -5,6 +5,7 @@ use super::camera_sample::CameraSample;
 use super::direct::direct_lighting_coherent;
 use super::hit_surfaces::{HitSurfaces, ambient, coherent_surfaces, spawn_reflected_ray};
 use super::sampled_lights::{ShadowNumbers, add_sampled_lights, has_sampled_lights};
+use super::sky_sampler::SkySampler;
 use crate::accel::QueryState;
 use crate::material::Features;
 use crate::math::{Ray, RayDifferential};
@@ -36,6 +37,8 @@ pub(super) struct CameraLight<'a> {
     pub(super) samples: &'a [CameraSample],
     /// How many shadow rays there are at a surface for emitters, and for each sun.
     pub(super) shadow_rays: u32,
+    /// Samples the sky; none if surfaces are not lit by it.
+    pub(super) sky: Option<&'a SkySampler>,
 }
 
 impl CameraLight<'_> {
@@ -49,7 +52,7 @@ impl CameraLight<'_> {
     ) -> Wavefront {
         let samples: Vec<usize> = (0..rays.len()).collect();
         Wavefront {
-            direct: self.direct::<F>(&hit, &rays, &samples, 0, query_state),
+            direct: self.direct::<F>(&hit, &rays, &samples, [0, bounces], query_state),
             samples,
             throughputs: vec![Vec3::ONE; rays.len()],
             rays,
@@ -60,18 +63,19 @@ impl CameraLight<'_> {
         }
     }
 
-    /// The direct light of everything that shines, at surfaces that rays of some samples hit after `depth` reflections.
+    /// The direct light of everything that shines, at surfaces that rays of some samples hit after `depth` reflections, with
+    /// `bounces_left`.
     fn direct<F: Features>(
         &self,
         hit: &HitSurfaces,
         rays: &[Ray],
         samples: &[usize],
-        depth: u32,
+        [depth, bounces_left]: [u32; 2],
         query_state: &mut QueryState,
     ) -> Vec<Vec3> {
         let scene = self.scene;
         let mut direct = direct_lighting_coherent::<F>(scene, &hit.surfaces, rays, query_state);
-        if has_sampled_lights(scene) {
+        if has_sampled_lights(scene, self.sky) {
             let numbers = |i: usize, _: &SurfaceInteraction| {
                 let CameraSample {
                     sequence, index, ..
@@ -82,11 +86,12 @@ impl CameraLight<'_> {
                     depth,
                     rays: self.shadow_rays,
                     cosine_rays: 0.0,
+                    reaches_sky: bounces_left > 0,
                 }
             };
             let closest =
                 |rays: &[Ray], hits: &mut [_]| scene.closest_coherent(rays, hits, query_state);
-            add_sampled_lights::<F>(scene, hit, rays, numbers, closest, &mut direct);
+            add_sampled_lights::<F>(scene, self.sky, hit, rays, numbers, closest, &mut direct);
         }
         direct
     }
@@ -141,15 +146,16 @@ impl CameraLight<'_> {
                 return;
             }
             let hit = coherent_surfaces::<F>(scene, &rays, &differentials, query_state);
+            let bounces_left = wavefront.bounces_left - 1;
             wavefront = Wavefront {
-                direct: self.direct::<F>(&hit, &rays, &samples, depth, query_state),
+                direct: self.direct::<F>(&hit, &rays, &samples, [depth, bounces_left], query_state),
                 rays,
                 samples,
                 throughputs,
                 surfaces: hit.surfaces,
                 reflected: hit.reflected,
                 emitted: hit.emitted,
-                bounces_left: wavefront.bounces_left - 1,
+                bounces_left,
             };
         }
     }

@@ -131,7 +131,7 @@ impl Renderer<'_> {
         let sampler = Sampler::new(self, camera, frame);
         let mut samples = SampleAccumulator::new(grid, &sampler);
         let cache_error = self.cache_errors.get(frame as usize).copied();
-        let target = self.settings.target_of_samples(cache_error);
+        let target = self.settings.target_of_samples(self.scene(), cache_error);
         samples.refine(grid, &sampler, |_| sampler.first, observer);
         let pictured = match target {
             Some(target) => self.refined(&mut samples, grid, &sampler, target, observer)?,

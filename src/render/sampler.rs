@@ -4,9 +4,12 @@ use super::{PixelSampling, Renderer};
 use crate::accel::QueryState;
 use crate::camera::{Camera, CameraRays};
 use crate::integrator::{CameraSample, Integrator};
-use crate::math::RayDifferential;
+use crate::math::{Ray, RayDifferential};
 use crate::sampling::SobolSequence;
 use glam::{DVec2, DVec3, Vec3};
+
+/// Rows and columns of rays that stand for a camera.
+const PROBES: u32 = 8;
 
 /// Camera rays that are traced together.
 const BATCH: usize = 256;
@@ -139,7 +142,15 @@ impl<'a> Sampler<'a> {
             PixelSampling::Center => (Position::Center, 1),
             PixelSampling::Corners => (Position::Corner, 1),
         };
-        let mut integrator = integrator.clone();
+        let rays = camera.rays(size, renderer.scene().origin);
+        let middles = (0..PROBES * PROBES).map(|i| {
+            let place = DVec2::new((i % PROBES).into(), (i / PROBES).into()) + 0.5;
+            rays.through(place * size / f64::from(PROBES))
+        });
+        let middles: Vec<Ray> = middles.collect();
+        let mut integrator = integrator
+            .clone()
+            .for_camera(&middles, &mut QueryState::default());
         let mut half_buffers = 1;
         if renderer.is_noisy() {
             half_buffers = 2;
@@ -150,7 +161,7 @@ impl<'a> Sampler<'a> {
             }
         }
         Sampler {
-            rays: camera.rays(size, renderer.scene().origin),
+            rays,
             position,
             integrator,
             first,

@@ -42,11 +42,15 @@ pub enum PixelSampling {
     /// This many, at least 1, stratified over the pixel's square.
     Spread(u32),
     /// Stratified over the pixel's square, at least one, and as many more where they reduce the error of the frame most
-    /// as it takes for a relMSE below this; the error of the irradiance cache comes to it.
+    /// as it takes for a relMSE below this, of noisy frames at least [`RenderSettings::NOISE`]; the error of the irradiance
+    /// cache comes to it.
     Adaptive(f64),
 }
 
 impl RenderSettings {
+    /// The relMSE of hardly visible noise.
+    pub const NOISE: f64 = 1e-3;
+
     /// The default number of shadow rays.
     pub const SHADOW_RAYS: u32 = 4;
 
@@ -72,7 +76,10 @@ impl RenderSettings {
             self.integrator,
             IntegratorSettings::PathTraced { bounces: 1.., .. }
         );
-        traces_paths || scene.has_soft_shadows()
+        // Of cached light that of the sky alone is sampled at each surface.
+        let samples_sky = matches!(self.integrator, IntegratorSettings::Cached { bounces: 1.. })
+            && !scene.sky.is_black();
+        traces_paths || samples_sky || scene.has_soft_shadows()
     }
 
     /// Whether pixels get as many samples as an error asks for.
@@ -85,12 +92,20 @@ impl RenderSettings {
     }
 
     /// The error that the samples of an adaptive frame may leave, given that of the irradiance cache: of a target error
-    /// at least half, as more samples cannot make up for a cache that takes more than half.
-    pub(super) fn target_of_samples(&self, cache_error: Option<ErrorEstimate>) -> Option<f64> {
+    /// at least half, as more samples cannot make up for a cache that takes more than half. Nobody waits for noise to fall
+    /// below [`RenderSettings::NOISE`] without asking for it.
+    pub(super) fn target_of_samples(
+        &self,
+        scene: &Scene,
+        cache_error: Option<ErrorEstimate>,
+    ) -> Option<f64> {
         let of_cache = cache_error.map_or(0.0, |cache| cache.interval()[1]);
         match (self.target_error, self.sampling) {
             (_, PixelSampling::Center | PixelSampling::Corners) => None,
             (Some(target), _) => Some((target - of_cache).max(0.5 * target)),
+            (None, PixelSampling::Adaptive(target)) if self.is_noisy(scene) => {
+                Some(target.max(RenderSettings::NOISE))
+            }
             (None, PixelSampling::Adaptive(target)) => Some(target),
             (None, PixelSampling::Spread(_)) => None,
         }

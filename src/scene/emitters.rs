@@ -60,6 +60,17 @@ pub struct LightSample {
 }
 
 impl LightSample {
+    /// Of a ray that arrives if it leaves the scene. Radiance and pdf are 1: the caller knows them.
+    pub fn at_infinity(point: &SurfacePoint, direction: Vec3) -> LightSample {
+        LightSample {
+            ray: point.spawn_ray(direction),
+            distance: f64::INFINITY,
+            primitive: NO_PRIMITIVE,
+            radiance: Vec3::ONE,
+            pdf: 1.0,
+        }
+    }
+
     /// Whether the light arrives, given what the ray hits.
     #[inline]
     pub fn is_visible(&self, hit: Option<&Hit>) -> bool {

@@ -1,0 +1,116 @@
+//! Shadow rays to the sky: towards where it is seen, where it is bright, and anywhere.
+
+use super::sky_guide::{SkyGuide, SkyView};
+use crate::light::Sky;
+use crate::math::to_world;
+use crate::sampling::cosine_hemisphere;
+use crate::scene::{Scene, SurfacePoint};
+use glam::Vec3;
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+/// A part of the scene that gets more than this part of a uniform sky needs no guide: directions by the cosine are as good.
+const OPEN: f32 = 0.4;
+
+/// Camera samples whose surfaces get less than this part of the sky, in the mean, are in a room.
+const ROOM: f32 = 0.15;
+
+/// Chooses directions to the sky from surfaces. None for a black sky.
+#[derive(Clone, Debug)]
+pub(super) struct SkySampler {
+    guide: Arc<SkyGuide>,
+    /// Whether paths have shadow rays to the sky beside those that find it.
+    pub(super) guides_paths: bool,
+}
+
+/// The directions in which shadow rays to the sky leave a surface: a mixture of techniques.
+#[derive(Clone, Copy)]
+pub(super) struct SkyTechniques<'a> {
+    scene: &'a Scene,
+    shading_normal: Vec3,
+    view: Option<&'a SkyView>,
+    /// The probabilities of the cosine and of the view; the rest is that of the sky's own brightness.
+    by_cosine: f32,
+    by_view: f32,
+}
+
+impl SkySampler {
+    /// Of a scene; none if its sky is black.
+    pub(super) fn new(scene: &Scene) -> Option<SkySampler> {
+        (!scene.sky.is_black()).then(|| SkySampler {
+            guide: Arc::new(SkyGuide::new(scene)),
+            guides_paths: matches!(scene.sky, Sky::Map(_)),
+        })
+    }
+
+    /// The same sampler for paths that start at these surfaces: guides those in rooms. A uniform sky in the open is best
+    /// found by the paths themselves.
+    pub(super) fn for_surfaces<'s>(
+        mut self,
+        scene: &Scene,
+        points: impl Iterator<Item = &'s SurfacePoint>,
+    ) -> SkySampler {
+        let openness = points.map(|point| {
+            let view = self.guide.view(scene, point.position, point.shading_normal);
+            view.map_or(0.0, |view| view.openness)
+        });
+        let openness: Vec<f32> = openness.collect();
+        // Where next to no sky is seen there is nothing to find.
+        let mean = openness.iter().sum::<f32>() / openness.len() as f32;
+        self.guides_paths |= mean > 0.0 && mean < ROOM;
+        self
+    }
+
+    /// The techniques at a surface.
+    pub(super) fn techniques<'a>(
+        &'a self,
+        scene: &'a Scene,
+        position: Vec3,
+        shading_normal: Vec3,
+    ) -> SkyTechniques<'a> {
+        let is_map = matches!(scene.sky, Sky::Map(_));
+        let view = self.guide.view(scene, position, shading_normal);
+        let view = view.filter(|view| is_map || view.openness < OPEN);
+        let (by_cosine, by_view) = match (view.is_some(), is_map) {
+            (true, true) => (0.25, 0.5),
+            (true, false) => (0.25, 0.75),
+            (false, true) => (0.5, 0.0),
+            (false, false) => (1.0, 0.0),
+        };
+        SkyTechniques {
+            scene,
+            shading_normal,
+            view,
+            by_cosine,
+            by_view,
+        }
+    }
+}
+
+impl SkyTechniques<'_> {
+    /// A direction and its pdf, over solid angle, by numbers in [0, 1).
+    pub(super) fn sample(&self, choice: f32, numbers: [f32; 2]) -> (Vec3, f32) {
+        let direction = match self.view {
+            _ if choice < self.by_cosine => {
+                let [u, v] = numbers;
+                to_world(self.shading_normal, cosine_hemisphere(u, v))
+            }
+            Some(view) if choice < self.by_cosine + self.by_view => view.sample(numbers),
+            _ => self.scene.sky.sample(numbers).0,
+        };
+        (direction, self.pdf(direction))
+    }
+
+    /// The pdf of a unit direction, over solid angle.
+    pub(super) fn pdf(&self, direction: Vec3) -> f32 {
+        let by_brightness = 1.0 - self.by_cosine - self.by_view;
+        let mut pdf = self.by_cosine * direction.dot(self.shading_normal).max(0.0) / PI;
+        if let Some(view) = self.view {
+            pdf += self.by_view * view.pdf(direction);
+        }
+        if by_brightness > 0.0 {
+            pdf += by_brightness * self.scene.sky.pdf(direction);
+        }
+        pdf
+    }
+}

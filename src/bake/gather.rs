@@ -1,7 +1,7 @@
 //! Gathers the values of records: a final gather at each of them.
 
 use crate::accel::QueryState;
-use crate::integrator::{FinalGather, GatherPoint};
+use crate::integrator::{FinalGather, GatherPaths, GatherPoint};
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::sampling::SobolSequence;
 use crate::scene::SurfacePoint;
@@ -63,8 +63,12 @@ impl GatherPass<'_> {
             let mut query_state = QueryState::default();
             let mean_radiance = self.final_gather.gather(
                 &points,
-                self.bounces_left,
-                self.paths,
+                GatherPaths {
+                    bounces_left: self.bounces_left,
+                    count: self.paths,
+                    // What a camera sees gets that by shadow rays.
+                    include_sky: matches!(self.stream, RandomStream::Secondary),
+                },
                 Some(secondary),
                 &mut query_state,
             );

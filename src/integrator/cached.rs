@@ -1,7 +1,7 @@
 //! Indirect diffuse light from the irradiance cache, with a final gather where no record is near.
 
 use super::camera_sample::CameraSample;
-use super::final_gather::{FinalGather, GatherPoint, gather_for};
+use super::final_gather::{FinalGather, GatherPaths, GatherPoint, gather_for};
 use super::hit_surfaces::ambient;
 use super::whitted::Wavefront;
 use crate::accel::QueryState;
@@ -66,8 +66,11 @@ impl CachedIrradiance<'_> {
         let gathered = gather_for::<F>(
             self.final_gather,
             &points,
-            wavefront.bounces_left,
-            GATHER_PATHS,
+            GatherPaths {
+                bounces_left: wavefront.bounces_left,
+                count: GATHER_PATHS,
+                include_sky: false,
+            },
             Some(&self.cache.secondary),
             query_state,
         );

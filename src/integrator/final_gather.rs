@@ -26,6 +26,17 @@ pub struct GatherPoint {
     pub index: u32,
 }
 
+/// The paths of a final gather.
+#[derive(Clone, Copy, Debug)]
+pub struct GatherPaths {
+    /// Of how many bounces they are at most; at least 1.
+    pub bounces_left: u32,
+    /// How many leave each point.
+    pub count: u32,
+    /// Whether light that comes straight from the sky is part of what is gathered.
+    pub include_sky: bool,
+}
+
 /// Gathers the light that arrives at points of a scene.
 #[derive(Clone, Debug)]
 pub struct FinalGather<'a> {
@@ -51,30 +62,26 @@ impl<'a> FinalGather<'a> {
         self.light_sampler.scene()
     }
 
-    /// The cosine-weighted mean radiance that arrives at points from their hemispheres, by paths of up to
-    /// `bounces_left` bounces, at least one. Light that comes straight from emitters and the
-    /// sky is not part of it.
+    /// The cosine-weighted mean radiance that arrives at points from their hemispheres. Light that comes straight from
+    /// emitters is not part of it.
     ///
-    /// Each is an estimate of `paths` paths. With a cache, paths end beyond the first bounce where it has records;
-    /// without one the estimate is unbiased.
+    /// With a cache, paths end beyond the first bounce where it has records; without one the estimate is unbiased.
     pub fn gather(
         &self,
         points: &[GatherPoint],
-        bounces_left: u32,
-        paths: u32,
+        paths: GatherPaths,
         cache: Option<&SecondaryIrradiance>,
         query_state: &mut QueryState,
     ) -> Vec<Vec3> {
         let for_features = GATHER[self.scene().features().index()];
-        for_features(self, points, bounces_left, paths, cache, query_state)
+        for_features(self, points, paths, cache, query_state)
     }
 }
 
 type GatherFor = fn(
     &FinalGather,
     &[GatherPoint],
-    u32,
-    u32,
+    GatherPaths,
     Option<&SecondaryIrradiance>,
     &mut QueryState,
 ) -> Vec<Vec3>;
@@ -86,8 +93,7 @@ static GATHER: [GatherFor; FeatureSet::COUNT] = for_each_feature_set!(gather_for
 pub(super) fn gather_for<F: Features>(
     final_gather: &FinalGather,
     points: &[GatherPoint],
-    bounces_left: u32,
-    paths: u32,
+    gather_paths: GatherPaths,
     cache: Option<&SecondaryIrradiance>,
     query_state: &mut QueryState,
 ) -> Vec<Vec3> {
@@ -101,12 +107,13 @@ pub(super) fn gather_for<F: Features>(
     let mut path_tracer = PathTracer::<F> {
         light_sampler: &final_gather.light_sampler,
         schedule: Schedule {
-            bounces: bounces_left,
-            splits: &[paths],
+            bounces: gather_paths.bounces_left,
+            splits: &[gather_paths.count],
             shadow_rays: 1,
             counts_emitters_by_shadow_rays: true,
+            excludes_sky: !gather_paths.include_sky,
         },
-        sky: final_gather.sky.as_ref(),
+        sky: None,
         cache,
         query_state,
         features: PhantomData,
@@ -125,6 +132,7 @@ pub(super) fn gather_for<F: Features>(
         index: point.index,
         technique: Technique::Single,
         emission: Emission::Seen,
+        sky: Emission::Seen,
     };
     let paths: Vec<PathState> = points.iter().map(path).collect();
     let direct = vec![Vec3::ZERO; points.len()];

@@ -37,7 +37,7 @@ mod visible_points;
 mod whitted;
 
 pub use camera_sample::CameraSample;
-pub use final_gather::{FinalGather, GatherPoint};
+pub use final_gather::{FinalGather, GatherPaths, GatherPoint};
 pub use light_sampler::LightSampler;
 pub use radiance::{Integrator, IntegratorError};
 pub use settings::IntegratorSettings;

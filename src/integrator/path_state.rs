@@ -26,6 +26,8 @@ pub(super) struct PathState {
     pub(super) technique: Technique,
     /// How much of the light counts that the ray finds an emitter to send out.
     pub(super) emission: Emission,
+    /// How much of the light of the sky counts along the ray.
+    pub(super) sky: Emission,
 }
 
 /// How much of the light counts that an emitter or the sky sends along the last ray of a path.
@@ -124,7 +126,7 @@ impl PathState {
     /// The weight of the light of the sky along the last ray, which leaves the scene, given what samples the sky by shadow
     /// rays.
     pub(super) fn sky_weight(&self, scene: &Scene, sky: Option<&SkySampler>) -> f32 {
-        match (self.emission, sky) {
+        match (self.sky, sky) {
             (Emission::Seen, _) | (_, None) => 1.0,
             (Emission::Sampled, _) => 0.0,
             (
@@ -198,6 +200,7 @@ mod tests {
         let mis_weight = |pdf| {
             let path = PathState {
                 emission: Emission::Seen,
+                sky: Emission::Seen,
                 ray: Ray::new(Vec3::ZERO, Vec3::X),
                 sequence: SobolSequence::new(0, 0, 0, 0),
                 depth: 1,

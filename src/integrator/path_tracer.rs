@@ -6,7 +6,7 @@ use super::direct::{LightContribution, direct_lighting_incoherent};
 use super::hit_surfaces::{HitSurfaces, ambient, spawn_reflected_ray, surfaces};
 use super::light_sampler::LightSampler;
 use super::path_state::{Emission, PathState, Technique};
-use super::sampled_lights::{ShadowNumbers, add_sampled_lights, has_sampled_lights};
+use super::sampled_lights::{NO_SKY, ShadowNumbers, add_sampled_lights, has_sampled_lights};
 use super::sky_sampler::SkySampler;
 use crate::accel::QueryState;
 use crate::irradiance_cache::SecondaryIrradiance;
@@ -41,9 +41,11 @@ pub(super) struct Schedule<'a> {
     pub(super) splits: &'a [u32],
     /// How many shadow rays there are for emitters, and for each sun, before the first diffuse bounce; 1 beyond.
     pub(super) shadow_rays: u32,
-    /// Whether shadow rays alone count light straight from emitters and the sky: where paths may end in cached light, which goes
+    /// Whether shadow rays alone count light straight from emitters: where paths may end in cached light, which goes
     /// without, or start at points that are gathered for.
     pub(super) counts_emitters_by_shadow_rays: bool,
+    /// Whether rays that leave the first diffuse bounce for the sky count nothing.
+    pub(super) excludes_sky: bool,
 }
 
 impl Schedule<'_> {
@@ -78,9 +80,33 @@ impl Schedule<'_> {
         if self.counts_emitters_by_shadow_rays {
             return Emission::Sampled;
         }
+        self.weighted(surface, self.cosine_rays::<F>(path, surface), path)
+    }
+
+    /// How much of the light of the sky counts along such a ray, where `has_shadow_rays` to the sky leave the surfaces that a
+    /// camera sees.
+    fn sky(
+        &self,
+        path: &PathState,
+        surface: &SurfaceInteraction,
+        has_shadow_rays: bool,
+    ) -> Emission {
+        match path.diffuse_bounces {
+            0 if self.excludes_sky => Emission::Sampled,
+            0 if has_shadow_rays => self.weighted(surface, self.splits(path) as f32, path),
+            _ => Emission::Seen,
+        }
+    }
+
+    fn weighted(
+        &self,
+        surface: &SurfaceInteraction,
+        cosine_rays: f32,
+        path: &PathState,
+    ) -> Emission {
         Emission::Weighted {
             shading_normal: surface.point.shading_normal,
-            cosine_rays: self.cosine_rays::<F>(path, surface),
+            cosine_rays,
             shadow_rays: self.shadow_rays(path) as f32,
         }
     }
@@ -101,7 +127,7 @@ fn mirror_probability(diffuse: Vec3, mirror: Vec3) -> f32 {
 pub(super) struct PathTracer<'a, F> {
     pub(super) light_sampler: &'a LightSampler<'a>,
     pub(super) schedule: Schedule<'a>,
-    /// Samples the sky; none where it is black.
+    /// Samples the sky from surfaces that the camera sees; none if paths alone find it.
     pub(super) sky: Option<&'a SkySampler>,
     /// Ends paths beyond the first diffuse bounce where it has records.
     pub(super) cache: Option<&'a SecondaryIrradiance>,
@@ -109,7 +135,7 @@ pub(super) struct PathTracer<'a, F> {
     pub(super) features: PhantomData<F>,
 }
 
-impl<'a, F: Features> PathTracer<'a, F> {
+impl<F: Features> PathTracer<'_, F> {
     /// Unbiased estimates of the radiance along camera rays, given the surfaces that they hit and the direct light
     /// there. Caustics, light that a mirror reflects from a point light onto a surface, are not included.
     pub(super) fn camera_radiance(
@@ -127,6 +153,7 @@ impl<'a, F: Features> PathTracer<'a, F> {
             index: sample.index,
             technique: Technique::Single,
             emission: Emission::Seen,
+            sky: Emission::Seen,
         };
         let paths: Vec<PathState> = samples.iter().map(from_camera).collect();
         self.add_sampled_lights(&paths, hit, &mut direct);
@@ -135,12 +162,6 @@ impl<'a, F: Features> PathTracer<'a, F> {
 
     fn scene(&self) -> &Scene {
         self.light_sampler.scene()
-    }
-
-    /// What samples the sky by shadow rays; none if paths alone find it.
-    fn sky(&self) -> Option<&'a SkySampler> {
-        let counts_all = self.schedule.counts_emitters_by_shadow_rays;
-        self.sky.filter(|sky| sky.guides_paths || counts_all)
     }
 
     /// The incident radiance along the last rays of up to [`WAVEFRONT_SIZE`] paths, with textures filtered over the
@@ -205,7 +226,7 @@ impl<'a, F: Features> PathTracer<'a, F> {
     /// Adds the light of emitters, balls and suns that the surfaces at the ends of paths reflect.
     fn add_sampled_lights(&mut self, paths: &[PathState], hit: &HitSurfaces, direct: &mut [Vec3]) {
         let scene = self.light_sampler.scene();
-        let sky = self.sky();
+        let sky = self.sky;
         if !has_sampled_lights(scene, sky) {
             return;
         }
@@ -220,7 +241,10 @@ impl<'a, F: Features> PathTracer<'a, F> {
             depth: paths[i].depth,
             rays: schedule.shadow_rays(&paths[i]),
             cosine_rays: schedule.cosine_rays::<F>(&paths[i], surface),
-            reaches_sky: paths[i].depth < schedule.bounces,
+            sky_rays: match paths[i].diffuse_bounces {
+                0 if paths[i].depth < schedule.bounces => schedule.splits(&paths[i]) as f32,
+                _ => NO_SKY,
+            },
         };
         add_sampled_lights::<F>(scene, sky, hit, &rays, numbers, closest, direct);
     }
@@ -240,7 +264,7 @@ impl<'a, F: Features> PathTracer<'a, F> {
         let mut splits = Vec::with_capacity(WAVEFRONT_SIZE);
         for (parent, path) in paths.iter().enumerate() {
             let Some(surface) = &hit.surfaces[parent] else {
-                let weight = path.sky_weight(self.scene(), self.sky());
+                let weight = path.sky_weight(self.scene(), self.sky);
                 radiance[parent] = weight * self.scene().sky.radiance(path.ray.direction);
                 continue;
             };
@@ -362,6 +386,7 @@ impl<'a, F: Features> PathTracer<'a, F> {
         };
         let count = self.schedule.splits(path);
         let emission = self.schedule.emission::<F>(path, surface);
+        let sky = self.schedule.sky(path, surface, self.sky.is_some());
         let (diffuse, mirror) = (diffuse / count as f32, mirror / count as f32);
         let diffuse = diffuse / (1.0 - mirror_probability);
         for i in 0..count {
@@ -371,6 +396,7 @@ impl<'a, F: Features> PathTracer<'a, F> {
                 index: path.index.wrapping_mul(count).wrapping_add(i),
                 technique: Technique::Single,
                 emission,
+                sky,
                 ..*path
             };
             let by_mirror = mirror_probability > 0.0
@@ -435,6 +461,7 @@ fn follow_mirror<F: Features>(
             depth: path.depth + 1,
             technique: Technique::Single,
             emission: Emission::Seen,
+            sky: Emission::Seen,
             ..*path
         };
         emit(throughput, next);

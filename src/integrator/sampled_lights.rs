@@ -33,9 +33,12 @@ pub(super) struct ShadowNumbers {
     /// How many directions are sampled by the cosine as well, and count for emitters that they hit: multiple importance
     /// sampling.
     pub(super) cosine_rays: f32,
-    /// Whether there are shadow rays to the sky, too.
-    pub(super) reaches_sky: bool,
+    /// As `cosine_rays`, of those that may find the sky; [`NO_SKY`] if there are no shadow rays to it.
+    pub(super) sky_rays: f32,
 }
+
+/// No shadow rays to the sky.
+pub(super) const NO_SKY: f32 = -1.0;
 
 /// A shadow ray and what it brings.
 struct ShadowRay {
@@ -92,7 +95,7 @@ pub(super) fn add_sampled_lights<F: Features>(
         let to_viewer = -rays[index].direction;
         let point = &surface.point;
         let techniques = sky
-            .filter(|_| numbers.reaches_sky && surface.bsdf.diffuse != Vec3::ZERO)
+            .filter(|_| numbers.sky_rays != NO_SKY && surface.bsdf.diffuse != Vec3::ZERO)
             .map(|sky| sky.techniques(scene, point.spawn_origin(), point.shading_normal));
         for ray in 0..numbers.rays {
             let mut add = |sample, light| {
@@ -192,7 +195,7 @@ impl ShadowNumbers {
         if cosine <= 0.0 || direction.dot(point.geometric_normal) <= 0.0 {
             return;
         }
-        let weight = balance_heuristic(self.rays as f32, pdf, self.cosine_rays, cosine / PI);
+        let weight = balance_heuristic(self.rays as f32, pdf, self.sky_rays, cosine / PI);
         let reflected = surface.bsdf.diffuse * (weight * cosine / (PI * pdf * self.rays as f32));
         let light = reflected * scene.sky.radiance(direction);
         if light != Vec3::ZERO && light.is_finite() {

@@ -11,13 +11,21 @@ use std::f32::consts::PI;
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shape {
     /// A triangle, or a part of one.
-    Triangle {
-        vertices: [Vec3; 3],
-        /// The unit normal of the side that emits, or of either.
-        front: Vec3,
-    },
+    Triangle(Triangle),
     /// A sphere, or the ball of a point light.
     Sphere { center: DVec3, radius: f64 },
+}
+
+/// A triangle that emits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangle {
+    vertices: [Vec3; 3],
+    /// The unit normal of the side that emits, or of either.
+    pub(super) front: Vec3,
+    /// The normal of its winding, as long as twice the area.
+    cross: DVec3,
+    /// The square of the longest edge.
+    longest_squared: f64,
 }
 
 /// A direction towards an emitter, sampled from a point.
@@ -31,33 +39,15 @@ pub(super) struct Towards {
     pub(super) pdf: f32,
 }
 
-/// The square of the longest edge of a triangle, relative to that of the distance, below which it is sampled by area: the
-/// solid angle of equal areas then differs by less than a half. Above, the solid angle is sampled, which takes more time.
-const SMALL: f64 = 0.02;
+/// The square of the longest edge of a triangle, relative to that of the distance, below which it is sampled by area. The
+/// solid angle, which has less variance where it is large, takes many times the time.
+const SMALL: f64 = 0.3;
 
 impl Shape {
     /// Samples a direction from `origin` by two numbers in [0, 1); none where the shape turns no side to it.
     pub(super) fn sample(&self, origin: Vec3, [u, v]: [f32; 2]) -> Option<Towards> {
         match self {
-            Shape::Triangle { vertices, .. } => {
-                let corners = corners(vertices, origin);
-                let direction = if is_small(corners) {
-                    let [a, b, c] = corners;
-                    let [s, t] = uniform_triangle(u.into(), v.into());
-                    a + s * (b - a) + t * (c - a)
-                } else {
-                    SphericalTriangle::new(corners)?.sample(u, v)
-                };
-                // As the ray goes, whose direction is rounded.
-                let direction = direction.normalize().as_vec3();
-                let distance = plane_distance(corners, direction)?;
-                let pdf = triangle_pdf(corners, distance, direction)?;
-                Some(Towards {
-                    direction,
-                    distance,
-                    pdf,
-                })
-            }
+            Shape::Triangle(triangle) => triangle.sample(origin, [u, v]),
             Shape::Sphere { center, radius } => {
                 let to_center = *center - origin.as_dvec3();
                 let direction = match seen_cone(to_center, *radius) {
@@ -79,9 +69,7 @@ impl Shape {
     /// The pdf, over solid angle, of a direction from `origin` that meets the shape at `distance`.
     pub(super) fn pdf(&self, origin: Vec3, direction: Vec3, distance: f64) -> f32 {
         match self {
-            Shape::Triangle { vertices, .. } => {
-                triangle_pdf(corners(vertices, origin), distance, direction).unwrap_or(0.0)
-            }
+            Shape::Triangle(triangle) => triangle.pdf(origin, direction, distance),
             Shape::Sphere { center, radius } => sphere_pdf(*center - origin.as_dvec3(), *radius),
         }
     }
@@ -89,7 +77,7 @@ impl Shape {
     /// The smallest box around it.
     pub(super) fn bounds(&self) -> Aabb {
         match self {
-            Shape::Triangle { vertices, .. } => Aabb::of(*vertices),
+            Shape::Triangle(triangle) => Aabb::of(triangle.vertices),
             Shape::Sphere { center, radius } => Sphere::new(*center, *radius).bounds(),
         }
     }
@@ -97,18 +85,78 @@ impl Shape {
     /// The area, in m².
     pub(super) fn area(&self) -> f64 {
         match self {
-            Shape::Triangle { vertices, .. } => {
-                let [a, b, c] = corners(vertices, Vec3::ZERO);
-                0.5 * (b - a).cross(c - a).length()
-            }
+            Shape::Triangle(triangle) => 0.5 * triangle.cross.length(),
             Shape::Sphere { radius, .. } => 4.0 * std::f64::consts::PI * radius * radius,
         }
     }
 }
 
-/// The corners of a triangle as seen from a point.
-fn corners(vertices: &[Vec3; 3], origin: Vec3) -> [DVec3; 3] {
-    vertices.map(|vertex| vertex.as_dvec3() - origin.as_dvec3())
+impl Triangle {
+    pub(super) fn new(vertices: [Vec3; 3], front: Vec3) -> Triangle {
+        let [a, b, c] = vertices.map(|vertex| vertex.as_dvec3());
+        let edges = [b - a, c - b, a - c].map(DVec3::length_squared);
+        Triangle {
+            vertices,
+            front,
+            cross: (b - a).cross(c - a),
+            longest_squared: edges[0].max(edges[1]).max(edges[2]),
+        }
+    }
+
+    /// See [`Shape::sample`].
+    fn sample(&self, origin: Vec3, [u, v]: [f32; 2]) -> Option<Towards> {
+        let corners = self.corners(origin);
+        let (direction, pdf) = if self.is_small(corners) {
+            let [a, b, c] = corners;
+            let [s, t] = uniform_triangle(u.into(), v.into());
+            ((a + s * (b - a) + t * (c - a)).normalize(), None)
+        } else {
+            let triangle = SphericalTriangle::new(corners)?;
+            let pdf = (1.0 / triangle.solid_angle()) as f32;
+            (triangle.sample(u, v), Some(pdf))
+        };
+        // As the ray goes, whose direction is rounded.
+        let direction = direction.as_vec3();
+        let distance = corners[0].dot(self.cross) / direction.as_dvec3().dot(self.cross);
+        let towards = Towards {
+            direction,
+            distance,
+            pdf: pdf.unwrap_or_else(|| self.area_pdf(direction, distance)),
+        };
+        (distance > 0.0 && distance.is_finite() && towards.pdf > 0.0).then_some(towards)
+    }
+
+    /// See [`Shape::pdf`].
+    fn pdf(&self, origin: Vec3, direction: Vec3, distance: f64) -> f32 {
+        let corners = self.corners(origin);
+        if !self.is_small(corners) {
+            let triangle = SphericalTriangle::new(corners);
+            return triangle.map_or(0.0, |triangle| (1.0 / triangle.solid_angle()) as f32);
+        }
+        self.area_pdf(direction, distance)
+    }
+
+    /// The pdf, over solid angle, where it is sampled by area.
+    fn area_pdf(&self, direction: Vec3, distance: f64) -> f32 {
+        // The area times the cosine.
+        let projected = 0.5 * self.cross.dot(direction.as_dvec3()).abs();
+        if projected > 0.0 {
+            (distance * distance / projected) as f32
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether it is sampled by area.
+    fn is_small(&self, [a, b, c]: [DVec3; 3]) -> bool {
+        self.longest_squared < SMALL / 9.0 * (a + b + c).length_squared()
+    }
+
+    /// The corners as seen from a point.
+    fn corners(&self, origin: Vec3) -> [DVec3; 3] {
+        self.vertices
+            .map(|vertex| vertex.as_dvec3() - origin.as_dvec3())
+    }
 }
 
 /// Barycentric coordinates uniform over a triangle (Heitz 2019, "A Low-Distortion Map Between Triangle and Square").
@@ -118,30 +166,6 @@ fn uniform_triangle(u: f64, v: f64) -> [f64; 2] {
     } else {
         [u - 0.5 * v, 0.5 * v]
     }
-}
-
-fn is_small([a, b, c]: [DVec3; 3]) -> bool {
-    let edges = [b - a, c - b, a - c].map(DVec3::length_squared);
-    let longest = edges[0].max(edges[1]).max(edges[2]);
-    longest < SMALL * (a + b + c).length_squared() / 9.0
-}
-
-/// How far a direction goes to the plane of the corners; none if it never gets there.
-fn plane_distance([a, b, c]: [DVec3; 3], direction: Vec3) -> Option<f64> {
-    let normal = (b - a).cross(c - a);
-    let distance = normal.dot(a) / normal.dot(direction.as_dvec3());
-    (distance > 0.0 && distance.is_finite()).then_some(distance)
-}
-
-fn triangle_pdf(corners: [DVec3; 3], distance: f64, direction: Vec3) -> Option<f32> {
-    if !is_small(corners) {
-        return Some((1.0 / SphericalTriangle::new(corners)?.solid_angle()) as f32);
-    }
-    let [a, b, c] = corners;
-    // The area times the cosine.
-    let projected = 0.5 * (b - a).cross(c - a).dot(direction.as_dvec3()).abs();
-    let pdf = distance * distance / projected;
-    (projected > 0.0).then_some(pdf as f32)
 }
 
 /// 1 less the cosine of the half angle of a sphere as seen from outside; none from inside.

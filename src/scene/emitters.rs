@@ -210,8 +210,8 @@ impl Scene {
         let position = origin.as_dvec3() + towards.distance * direction;
         let unfiltered = |uv: Vec2| (uv, [Vec2::ZERO; 2]);
         match (shape, source) {
-            (Shape::Triangle { front, .. }, Source::Primitive(primitive)) => {
-                let is_front = front.dot(towards.direction) < 0.0;
+            (Shape::Triangle(shape), Source::Primitive(primitive)) => {
+                let is_front = shape.front.dot(towards.direction) < 0.0;
                 let triangle = &self.triangles[*primitive as usize];
                 self.emitted_by_triangle(triangle, position, is_front, unfiltered)
             }

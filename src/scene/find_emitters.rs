@@ -1,8 +1,8 @@
 //! Finds what emits in a scene, and what the light tree knows of it: place, power, and directions.
 
-use super::emitter::Shape;
+use super::emitter::{Shape, Triangle};
 use super::emitters::{Emitter, Emitters, Pieces, Source};
-use super::resolved::{Scene, Triangle};
+use super::resolved::{self, Scene};
 use crate::light::{LightBounds, LightTree};
 use crate::material::{Emission, Material};
 use glam::{Vec2, Vec3};
@@ -88,14 +88,12 @@ impl Scene {
             });
             let radiance: Vec3 = emissions().map(|e| self.mean_radiance(e, uvs)).sum();
             let radiance = radiance / ids.len() as f32;
-            let shape = Shape::Triangle {
-                // From the first vertex: all that is the same in the three stays so.
-                vertices: weights.map(|[v, w]| {
-                    let [from, to, other] = [a, b, c].map(|vertex: Vec3| vertex.as_dvec3());
-                    (from + v * (to - from) + w * (other - from)).as_vec3()
-                }),
-                front,
-            };
+            // From the first vertex: all that is the same in the three stays so.
+            let vertices = weights.map(|[v, w]| {
+                let [from, to, other] = [a, b, c].map(|vertex: Vec3| vertex.as_dvec3());
+                (from + v * (to - from) + w * (other - from)).as_vec3()
+            });
+            let shape = Shape::Triangle(Triangle::new(vertices, front));
             let source = Source::Primitive(index as u32);
             found.add(
                 Emitter {
@@ -134,7 +132,7 @@ impl Scene {
     }
 
     /// Into how many rows a triangle is cut, so that the texture of what it emits changes little over a piece.
-    fn rows(&self, triangle: &Triangle, emission: &Emission) -> u32 {
+    fn rows(&self, triangle: &resolved::Triangle, emission: &Emission) -> u32 {
         let Some(texture) = emission.texture else {
             return 1;
         };
@@ -168,7 +166,7 @@ impl Emitters {
     /// Adds an emitter and what a light tree knows of it.
     fn add(&mut self, emitter: Emitter, is_two_sided: bool, bounds: &mut Vec<LightBounds>) {
         let (axis, cos_theta_o) = match &emitter.shape {
-            Shape::Triangle { front, .. } => (*front, 1.0),
+            Shape::Triangle(triangle) => (triangle.front, 1.0),
             Shape::Sphere { .. } => (Vec3::Z, -1.0),
         };
         let sides = if is_two_sided { 2.0 } else { 1.0 };

@@ -2,7 +2,7 @@
 
 use super::values::{AovArgument, FormatArgument, parse_size, parse_threads};
 use crate::frames::{FrameFolder, FrameFormat};
-use crate::input::{GlobalIllumination, Mode, Samples, Settings};
+use crate::input::{ExtraLight, GlobalIllumination, Mode, Samples, Settings};
 use crate::job::{Job, JobError, JobOptions, Spec};
 use clap::Args;
 use std::num::NonZeroUsize;
@@ -137,6 +137,9 @@ pub(super) struct SettingsArguments {
     /// together, and for each sun that is not a point [default: 4]
     #[arg(long, value_name = "N")]
     shadow_rays: Option<u32>,
+    /// A light beside those of the scene: camera, a headlight that shows scenes without any
+    #[arg(long, value_name = "WHICH")]
+    light: Option<ExtraLight>,
     /// Seed of the random numbers [default: 0]
     #[arg(long, value_name = "N")]
     seed: Option<u32>,
@@ -168,6 +171,7 @@ impl SettingsArguments {
             bounces: self.bounces,
             splits: self.splits.clone(),
             shadow_rays: self.shadow_rays,
+            light: self.light,
             seed: self.seed,
             lock_seed: self.lock_seed.then_some(true),
             exposure: self.exposure,

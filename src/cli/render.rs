@@ -17,6 +17,7 @@ use crate::frames::{FrameFolder, Manifest, VerifyError, write_contact_sheet};
 use crate::job::{Job, KeepCache, SavedEstimate, Spec, choose_samples_for_budget};
 use crate::render::{FrameErrorEstimate, Outcome};
 use crate::sampling::van_der_corput_order;
+use crate::scene::LightGroup;
 use crate::storage::Folder;
 use clap::Args;
 use std::collections::BTreeSet;
@@ -79,9 +80,15 @@ pub(super) struct RenderArguments {
 }
 
 impl RenderArguments {
-    /// Warns of what may be wrong with the inputs of some frames, as `check` does.
+    /// Says where the light comes from, and warns of what may be wrong with the inputs of some frames, as `check` does.
     fn warn_of(&self, job: &Job, frames: &[u32]) {
         if !self.quiet {
+            let input = &job.inputs().scene;
+            let groups = input.scene.light_groups(&input.names);
+            if !groups.is_empty() {
+                let groups: Vec<String> = groups.iter().map(LightGroup::to_string).collect();
+                say(format_args!("light: {}", groups.join("; ")));
+            }
             warn(&job.warnings(NEAR, frames));
         }
     }
@@ -113,6 +120,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     let spec = arguments.job.spec(arguments.preview);
     let options = arguments.job.options(arguments.force);
     let mut job = Job::new(spec, Some(&out), &options)?;
+    job.check_light()?;
     job.check_room()?;
     let count = job.frame_count();
     let frames = match &arguments.frames {

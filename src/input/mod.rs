@@ -6,6 +6,7 @@
 
 pub(crate) mod check;
 mod error;
+mod extra_light;
 pub(crate) mod files;
 mod ignored_settings;
 mod jpeg;
@@ -27,6 +28,7 @@ mod texture_file;
 mod unused;
 
 pub use error::InputError;
+pub use extra_light::ExtraLight;
 pub use files::InputFiles;
 pub use ignored_settings::{IgnoredSetting, ignored_settings};
 pub use samples::Samples;

@@ -1,5 +1,6 @@
 //! Render settings as scene files, path files and the command line give them.
 
+use super::extra_light::ExtraLight;
 use super::samples::Samples;
 use super::technique::{GlobalIllumination, Mode};
 use crate::integrator::IntegratorSettings;
@@ -29,6 +30,9 @@ pub struct Settings {
     /// Shadow rays for emitters, from every surface that a camera sample sees.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadow_rays: Option<u32>,
+    /// A light that is not in the scene.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub light: Option<ExtraLight>,
     /// Seed of the sample points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u32>,
@@ -57,6 +61,9 @@ const SIZE: (u32, u32) = (1280, 720);
 
 /// The largest number of columns of a preview.
 const PREVIEW_COLUMNS: u32 = 320;
+
+/// What a white surface looks like in a headlight that it faces, relative to display white.
+const HEADLIGHT: f32 = 0.9;
 
 /// The smallest target error.
 pub const MIN_TARGET_ERROR: f64 = 1e-6;
@@ -95,6 +102,7 @@ impl Settings {
             bounces: self.bounces.or(weaker.bounces),
             splits: self.splits.or(weaker.splits),
             shadow_rays: self.shadow_rays.or(weaker.shadow_rays),
+            light: self.light.or(weaker.light),
             seed: self.seed.or(weaker.seed),
             lock_seed: self.lock_seed.or(weaker.lock_seed),
             exposure: self.exposure.or(weaker.exposure),
@@ -253,12 +261,17 @@ impl Settings {
                 }
             }),
         };
+        let display_white = libm::exp2f(-self.exposure.unwrap_or(0.0));
         RenderSettings {
             shadow_rays: self.shadow_rays.unwrap_or(RenderSettings::SHADOW_RAYS),
+            headlight: match self.light {
+                Some(ExtraLight::Camera) => HEADLIGHT * display_white,
+                None => 0.0,
+            },
             sampling,
             seed: self.seed.unwrap_or(0),
             lock_seed: self.lock_seed.unwrap_or(false),
-            display_white: libm::exp2f(-self.exposure.unwrap_or(0.0)),
+            display_white,
             target_error: self.target_error,
             ..RenderSettings::new(integrator, width, height)
         }

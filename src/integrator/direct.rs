@@ -34,6 +34,25 @@ pub(super) fn direct_lighting_coherent<F: Features>(
     direct_lighting::<F>(scene, surfaces, rays, occluded, |_| {})
 }
 
+/// Adds the light that rays carry to the surfaces that they hit, and that these reflect back: a white Lambert surface that
+/// faces its ray the radiance of `headlight`.
+pub(super) fn add_headlight<F: Features>(
+    headlight: f32,
+    surfaces: &[Option<SurfaceInteraction>],
+    rays: &[Ray],
+    sums: &mut [Vec3],
+) {
+    if headlight == 0.0 {
+        return;
+    }
+    for ((surface, ray), sum) in surfaces.iter().zip(rays).zip(sums) {
+        if let Some(SurfaceInteraction { point, bsdf }) = surface {
+            let back = -ray.direction;
+            *sum += headlight * bsdf.eval_cos::<F>(point.shading_normal, back, back);
+        }
+    }
+}
+
 /// [`direct_lighting`] of surfaces all over the scene.
 pub(super) fn direct_lighting_incoherent<F: Features>(
     scene: &Scene,

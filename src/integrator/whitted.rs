@@ -2,7 +2,7 @@
 //! wavefront of reflected rays after the other.
 
 use super::camera_sample::CameraSample;
-use super::direct::direct_lighting_coherent;
+use super::direct::{add_headlight, direct_lighting_coherent};
 use super::hit_surfaces::{HitSurfaces, ambient, coherent_surfaces, spawn_reflected_ray};
 use super::sampled_lights::{NO_SKY, ShadowNumbers, add_sampled_lights, has_sampled_lights};
 use super::sky_sampler::SkySampler;
@@ -37,6 +37,8 @@ pub(super) struct CameraLight<'a> {
     pub(super) samples: &'a [CameraSample],
     /// How many shadow rays there are at a surface for emitters, and for each sun.
     pub(super) shadow_rays: u32,
+    /// See [`Integrator::with_headlight`](super::Integrator::with_headlight).
+    pub(super) headlight: f32,
     /// Samples the sky; none if surfaces are not lit by it.
     pub(super) sky: Option<&'a SkySampler>,
 }
@@ -75,6 +77,7 @@ impl CameraLight<'_> {
     ) -> Vec<Vec3> {
         let scene = self.scene;
         let mut direct = direct_lighting_coherent::<F>(scene, &hit.surfaces, rays, query_state);
+        add_headlight::<F>(self.headlight, &hit.surfaces, rays, &mut direct);
         if has_sampled_lights(scene, self.sky) {
             let numbers = |i: usize, _: &SurfaceInteraction| {
                 let CameraSample {

@@ -2,7 +2,7 @@
 
 use super::resolved_job::Job;
 use crate::input::{IgnoredSetting, SettingsError, ignored_settings};
-use crate::preflight::{FrameRuns, check_scene, preflight};
+use crate::preflight::{FrameRuns, SceneWarning, check_scene, preflight};
 
 impl Job {
     /// Warnings about the files of the scene, the settings, the scene and the camera path, each a line. `near` is the
@@ -33,7 +33,15 @@ impl Job {
             .filter(|warning| is_wanted(&warning.frames));
         let mut warnings = scene.warnings.clone();
         warnings.extend(self.ignored_settings());
-        warnings.extend(of_scene.iter().map(|warning| {
+        // A headlight shows what nothing else lights.
+        let is_lit = |warning: &&SceneWarning| {
+            let is_dark = matches!(
+                warning,
+                SceneWarning::Black | SceneWarning::BlackSurfaces | SceneWarning::AmbientOnly
+            );
+            !(is_dark && settings.headlight > 0.0)
+        };
+        warnings.extend(of_scene.iter().filter(is_lit).map(|warning| {
             let file = self.spec().scene.display();
             format!("{file}: {warning}")
         }));

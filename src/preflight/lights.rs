@@ -2,8 +2,23 @@
 
 use super::SceneWarning;
 use crate::integrator::IntegratorSettings;
+use crate::light::PointLight;
 use crate::scene::{Scene, SceneNames};
 use glam::Vec3;
+
+/// Whether nothing shines in a scene that has shapes: every picture of it is black.
+pub fn is_black(scene: &Scene) -> bool {
+    let has_shapes = scene.triangle_count() + scene.sphere_count() > 0;
+    has_shapes && is_unlit(scene) && scene.ambient == Vec3::ZERO && scene.sky.is_black()
+}
+
+/// Whether there are no lights that shine, but for ambient light and the sky.
+fn is_unlit(scene: &Scene) -> bool {
+    let is_dark = |light: &PointLight| light.intensity == Vec3::ZERO;
+    scene.lights.iter().all(is_dark)
+        && scene.suns.iter().all(|sun| sun.irradiance == Vec3::ZERO)
+        && !scene.has_emitters()
+}
 
 pub(super) fn find(
     scene: &Scene,
@@ -12,8 +27,7 @@ pub(super) fn find(
 ) -> Vec<SceneWarning> {
     let is_dark = |light: usize| scene.lights[light].intensity == Vec3::ZERO;
     let dark: Vec<usize> = (0..scene.lights.len()).filter(|&i| is_dark(i)).collect();
-    let has_sun = scene.suns.iter().any(|sun| sun.irradiance != Vec3::ZERO);
-    let is_unlit = dark.len() == scene.lights.len() && !has_sun && !scene.has_emitters();
+    let is_unlit = is_unlit(scene);
     let has_ambient = scene.ambient != Vec3::ZERO;
     // Ray tracing looks at the sky only straight ahead and in mirrors.
     let gathers =

@@ -26,7 +26,8 @@ impl<'a> Renderer<'a> {
     ) -> Result<Renderer<'a>, IntegratorError> {
         Ok(Renderer {
             integrator: Integrator::new(scene, &settings.integrator, cache)?
-                .with_shadow_rays(settings.shadow_rays),
+                .with_shadow_rays(settings.shadow_rays)
+                .with_headlight(settings.headlight),
             settings,
             cache_errors: &[],
         })

@@ -17,6 +17,8 @@ pub struct RenderSettings {
     /// How many shadow rays leave each surface that a camera sample sees, at least one: for all emitters and lights with a
     /// radius together, and for each sun that is not a point.
     pub shadow_rays: u32,
+    /// The radiance of a white Lambert surface that faces the camera, in the light that the camera carries; 0 without.
+    pub headlight: f32,
     /// Where in a pixel its camera samples lie.
     pub sampling: PixelSampling,
     /// Seeds the random numbers.
@@ -61,6 +63,7 @@ impl RenderSettings {
             height,
             integrator,
             shadow_rays: RenderSettings::SHADOW_RAYS,
+            headlight: 0.0,
             sampling: PixelSampling::Center,
             seed: 0,
             lock_seed: false,

@@ -1,12 +1,13 @@
 //! Frames against those of Mitsuba 3, pixel by pixel.
 //!
-//! tests/reference/make_mitsuba.py renders the references: integrator `path`, max_depth = bounces + 2. All camera rays
-//! go through pixel centres: an edge that few random rays hit would have an error that cannot be estimated from these
-//! few.
+//! tests/reference/make_mitsuba.py renders the references: integrator `path`, max_depth = bounces + 2, and bounces + 1
+//! for light of the sky. All camera rays go through pixel centres: an edge that few random rays hit would have an error
+//! that cannot be estimated from these few.
 
 use crate::support::statistics::*;
 use crate::support::*;
 use flythrough::camera::Camera;
+use flythrough::render::RenderSettings;
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 
@@ -42,7 +43,11 @@ fn compare(
     reference: &[Estimate],
 ) -> Result<(), String> {
     let paths = scaled(64, 64, 128);
-    let settings = settings(monte_carlo(bounces, &[paths]), WIDTH as u32, HEIGHT as u32);
+    let settings = RenderSettings {
+        // Few might all miss a lamp of which a surface sees little; its error could not be estimated.
+        shadow_rays: 64,
+        ..settings(monte_carlo(bounces, &[paths]), WIDTH as u32, HEIGHT as u32)
+    };
     let runs = runs(scene, camera, &settings, 0..32);
     let [pixels, blocks, whole] =
         [[1, 1], [5, 5], [WIDTH, HEIGHT]].map(|block| agreement_of_blocks(&runs, reference, block));
@@ -87,12 +92,24 @@ fn blocks(picture: &[f64], [width, height]: [usize; 2]) -> Vec<f64> {
 
 /// The room of test3 with other objects in place of its spheres.
 fn room(materials: &str, objects: &str) -> Scene {
+    scene(&room_text(materials, objects))
+}
+
+/// The same without the lights of test3.
+fn room_without_lights(materials: &str, objects: &str) -> Scene {
+    let text = room_text(materials, objects);
+    let (head, rest) = text.split_once("    lights: [").unwrap();
+    let (_, rest) = rest.split_once("    ],\n").unwrap();
+    scene(&format!("{head}{rest}"))
+}
+
+fn room_text(materials: &str, objects: &str) -> String {
     let text = std::fs::read_to_string(root().join("scenes/test3.ron")).unwrap();
     let (head, rest) = text.split_once("        \"mirror\"").unwrap();
     let (_, lights) = rest.split_once("    },\n").unwrap();
     let (lights, rest) = lights.split_once("        sphere").unwrap();
     let (_, walls) = rest.split_once("        // Floor").unwrap();
-    scene(&format!("{head}{materials}}},\n{lights}{objects}//{walls}"))
+    format!("{head}{materials}}},\n{lights}{objects}//{walls}")
 }
 
 #[test]
@@ -142,6 +159,78 @@ fn mesh() {
     let camera = camera(DVec3::new(-0.5, 0.0, 3.0), DVec3::new(0.0, -0.4, 0.0), 34.0);
     for (bounces, reference) in references("mesh") {
         compare(&scene, &camera, bounces, &reference).unwrap();
+    }
+}
+
+/// Surfaces that emit: a square on one side, a sphere, and a triangle on both sides that reflects, too.
+#[test]
+fn emitters() {
+    let scene = room_without_lights(
+        "\"lamp\": (emission: (6, 6, 5)),
+         \"panel\": (diffuse: (0.3, 0.3, 0.3), emission: (0.5, 1, 2), two_sided: true),
+         \"bulb\": (emission: (3, 1, 1)),
+         \"olive\": (diffuse: (0.6, 0.6, 0.2))",
+        "triangle(vertices: [(-0.3, 0.95, -0.3), (0.3, 0.95, -0.3), (0.3, 0.95, 0.3)], material: \"lamp\"),
+         triangle(vertices: [(-0.3, 0.95, -0.3), (0.3, 0.95, 0.3), (-0.3, 0.95, 0.3)], material: \"lamp\"),
+         triangle(vertices: [(0.05, -0.8, -0.6), (0.8, -0.8, -0.35), (0.5, 0.1, -0.5)], material: \"panel\"),
+         sphere(center: (0.4, -0.6, 0.35), radius: 0.12, material: \"bulb\"),
+         sphere(center: (-0.45, -0.65, 0.2), radius: 0.35, material: \"olive\"),",
+    );
+    let camera = camera(DVec3::new(-0.5, 0.0, 3.0), DVec3::new(0.0, -0.1, 0.0), 45.0);
+    for (bounces, reference) in references("emitters") {
+        compare(&scene, &camera, bounces, &reference).unwrap();
+        if bounces == 4 {
+            // A missing bounce is detected.
+            compare(&scene, &camera, 3, &reference).unwrap_err();
+        }
+    }
+}
+
+/// The open, under a sun and a uniform sky.
+#[test]
+fn sun_and_sky() {
+    let open = |irradiance: &str| {
+        scene(&format!(
+            "Scene(
+                background: (0.3, 0.5, 1),
+                materials: {{
+                    \"floor\": (diffuse: (0.6, 0.55, 0.5)),
+                    \"wall\": (diffuse: (0.8, 0.4, 0.3)),
+                    \"white\": (diffuse: (0.8, 0.8, 0.8)),
+                    \"olive\": (diffuse: (0.6, 0.6, 0.2)),
+                }},
+                lights: [sun(direction: (-0.5, -1, -0.6), irradiance: {irradiance})],
+                objects: [
+                    {}
+                    triangle(vertices: [(-1.8, 0, -1), (2.4, 0, -1), (2.4, 1.8, -1)], material: \"wall\"),
+                    triangle(vertices: [(-1.8, 0, -1), (2.4, 1.8, -1), (-1.8, 1.8, -1)], material: \"wall\"),
+                    sphere(center: (0.5, 0.5, 0), radius: 0.5, material: \"white\"),
+                    sphere(center: (-0.6, 0.35, 0.4), radius: 0.35, material: \"olive\"),
+                ],
+            )",
+            plate(0.0, 3.0, "floor")
+        ))
+    };
+    let scene = open("(3, 2.7, 2.2)");
+    let camera = camera(DVec3::new(0.3, 1.6, 3.2), DVec3::new(0.1, 0.35, 0.0), 45.0);
+    for (bounces, reference) in references("sun_and_sky") {
+        if bounces == 0 {
+            // A sun that is a point and a sky that lights nothing yet: there is no noise.
+            let settings = settings(monte_carlo(0, &[1]), WIDTH as u32, HEIGHT as u32);
+            let pixels = channels(&render(&scene, &camera, &settings));
+            for (pixel, reference) in pixels.iter().zip(&reference) {
+                let error = (pixel - reference.mean).abs();
+                assert!(error < 1e-5, "{pixel} {reference:?}");
+            }
+            continue;
+        }
+        compare(&scene, &camera, bounces, &reference).unwrap();
+        if bounces == 4 {
+            // A missing bounce and a sun that is 0.5 % too bright are detected.
+            compare(&scene, &camera, 3, &reference).unwrap_err();
+            let brighter = open("(3.015, 2.7135, 2.211)");
+            compare(&brighter, &camera, 4, &reference).unwrap_err();
+        }
     }
 }
 

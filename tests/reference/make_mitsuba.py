@@ -71,29 +71,42 @@ def diffuse(color):
     return {"type": "diffuse", "reflectance": rgb(color)}
 
 
+def area(radiance):
+    return {"type": "area", "radiance": rgb(radiance)}
+
+
 def matte(color):
     return {"type": "twosided", "bsdf": diffuse(color)}
 
 
-def wall(name, corners, color):
+def wall(name, corners, color, radiance=None):
+    """A convex polygon. It emits to the side from which its corners are counter-clockwise."""
     properties = mi.Properties()
     properties["face_normals"] = True
     properties["bsdf"] = mi.load_dict(matte(color))
-    mesh = mi.Mesh(name, 4, 2, props=properties)
+    if radiance:
+        properties["emitter"] = mi.load_dict(area(radiance))
+    faces = [(0, i, i + 1) for i in range(1, len(corners) - 1)]
+    mesh = mi.Mesh(name, len(corners), len(faces), props=properties)
     parameters = mi.traverse(mesh)
     parameters["vertex_positions"] = np.ravel(np.asarray(corners, dtype=np.float32))
-    parameters["faces"] = np.array([0, 1, 2, 0, 2, 3], dtype=np.uint32)
+    parameters["faces"] = np.ravel(np.asarray(faces, dtype=np.uint32))
     parameters.update()
     return mesh
 
 
-def room():
+def walls():
     return {
         "floor": wall("floor", [(-1, -1, 1), (1, -1, 1), (1, -1, -1), (-1, -1, -1)], WHITE),
         "ceiling": wall("ceiling", [(-1, 1, -1), (1, 1, -1), (1, 1, 1), (-1, 1, 1)], WHITE),
         "back": wall("back", [(-1, -1, -1), (1, -1, -1), (1, 1, -1), (-1, 1, -1)], WHITE),
         "left": wall("left", [(-1, -1, 1), (-1, -1, -1), (-1, 1, -1), (-1, 1, 1)], RED),
         "right": wall("right", [(1, -1, -1), (1, -1, 1), (1, 1, 1), (1, 1, -1)], GREEN),
+    }
+
+
+def room():
+    return walls() | {
         "light1": {"type": "point", "position": [-0.5, 0.8, 0.3], "intensity": rgb([0.7] * 3)},
         "light2": {"type": "point", "position": [0.5, 0.8, 0.3], "intensity": rgb([0.5] * 3)},
     }
@@ -140,9 +153,51 @@ def mesh():
     }
 
 
+def emitters():
+    """The room of test3, lit by a square, a sphere and a triangle that emits on both sides."""
+    panel = np.array([(0.05, -0.8, -0.6), (0.8, -0.8, -0.35), (0.5, 0.1, -0.5)])
+    normal = np.cross(panel[1] - panel[0], panel[2] - panel[0])
+    # A side each, so close that rounding hides the gap.
+    apart = 1e-5 * normal / np.linalg.norm(normal)
+    lamp = [(-0.3, 0.95, -0.3), (0.3, 0.95, -0.3), (0.3, 0.95, 0.3), (-0.3, 0.95, 0.3)]
+    return walls() | {
+        "lamp": wall("lamp", lamp, (0, 0, 0), (6, 6, 5)),
+        "front": wall("front", panel + apart, (0.3, 0.3, 0.3), (0.5, 1, 2)),
+        "behind": wall("behind", panel[::-1] - apart, (0.3, 0.3, 0.3), (0.5, 1, 2)),
+        "bulb": sphere((0.4, -0.6, 0.35), 0.12, diffuse((0, 0, 0))) | {"emitter": area((3, 1, 1))},
+        "olive": sphere((-0.45, -0.65, 0.2), 0.35, diffuse((0.6, 0.6, 0.2))),
+        "sensor": camera([-0.5, 0, 3], [0, -0.1, 0], 45),
+    }
+
+
+def sun_and_sky():
+    """A wall and two spheres in the open."""
+    return {
+        "floor": wall("floor", [(-3, 0, 3), (3, 0, 3), (3, 0, -3), (-3, 0, -3)], (0.6, 0.55, 0.5)),
+        "wall": wall("wall", [(-1.8, 0, -1), (2.4, 0, -1), (2.4, 1.8, -1), (-1.8, 1.8, -1)], (0.8, 0.4, 0.3)),
+        "white": sphere((0.5, 0.5, 0), 0.5, diffuse((0.8, 0.8, 0.8))),
+        "olive": sphere((-0.6, 0.35, 0.4), 0.35, diffuse((0.6, 0.6, 0.2))),
+        "sun": {"type": "directional", "direction": [-0.5, -1, -0.6], "irradiance": rgb((3, 2.7, 2.2))},
+        "sky": {"type": "constant", "radiance": rgb((0.3, 0.5, 1))},
+        "sensor": camera([0.3, 1.6, 3.2], [0.1, 0.35, 0], 45),
+    }
+
+
 def render(scene, bounces):
+    """Mean and standard error. The sky, which is found by bounces only, lights one surface of a path less."""
+    seed = bounces * RENDERINGS
+    if "sky" not in scene:
+        return render_depth(scene, bounces + 2, seed)
+    by_sun = {name: part for name, part in scene.items() if name != "sky"}
+    by_sky = {name: part for name, part in scene.items() if name != "sun"}
+    sun, sun_error = render_depth(by_sun, bounces + 2, seed)
+    sky, sky_error = render_depth(by_sky, bounces + 1, seed + 1000)
+    return sun + sky, np.hypot(sun_error, sky_error)
+
+
+def render_depth(scene, depth, seed):
     """Mean and standard error of independent renderings, with all camera rays through the pixels' middles."""
-    integrator = {"type": "path", "max_depth": bounces + 2, "rr_depth": 1000}
+    integrator = {"type": "path", "max_depth": depth, "rr_depth": 1000}
     scene = mi.load_dict({"type": "scene", "integrator": integrator} | scene)
     sampler = mi.load_dict({"type": "independent"})
     pixel = dr.arange(mi.UInt32, WIDTH * HEIGHT * SAMPLES) // SAMPLES
@@ -150,14 +205,14 @@ def render(scene, bounces):
     rays, _ = scene.sensors()[0].sample_ray_differential(0, 0, middle, 0)
     pictures = []
     for number in range(RENDERINGS):
-        sampler.seed(bounces * RENDERINGS + number, dr.width(pixel))
+        sampler.seed(seed + number, dr.width(pixel))
         radiance, _, _ = scene.integrator().sample(scene, sampler, rays)
         radiance = np.array(radiance, dtype=np.float64).reshape(3, HEIGHT, WIDTH, SAMPLES)
         pictures.append(np.moveaxis(radiance.mean(axis=3), 0, 2))
     return np.mean(pictures, axis=0), np.std(pictures, axis=0, ddof=1) / np.sqrt(RENDERINGS)
 
 
-SCENES = {"test3": test3, "mirror": mirror, "mesh": mesh}
+SCENES = {"test3": test3, "mirror": mirror, "mesh": mesh, "emitters": emitters, "sun_and_sky": sun_and_sky}
 for name in sys.argv[1:] or SCENES:
     parts = [part for bounces in BOUNCES for part in render(SCENES[name](), bounces)]
     picture = mi.Bitmap(np.concatenate(parts).astype(np.float32))

@@ -430,7 +430,7 @@ mod tests {
         let view = guide
             .view(&scene, Vec3::new(1.0, -2.0, 0.3), Vec3::Y)
             .expect("the sky");
-        let n = 400;
+        let n = 2000;
         let mut sum = 0.0;
         for i in 0..n {
             for j in 0..n {

@@ -28,6 +28,7 @@ mod emitter;
 mod emitters;
 mod find_emitters;
 mod light_groups;
+mod light_sample;
 mod mesh_material;
 mod names;
 mod primitive;
@@ -39,8 +40,8 @@ mod surface_interaction;
 mod surface_point;
 
 pub use builder::{SceneBuilder, SourceMesh};
-pub use emitters::LightSample;
 pub use light_groups::{LightAmount, LightGroup};
+pub use light_sample::LightSample;
 pub use mesh_material::MeshMaterial;
 pub use names::{MeshName, SceneNames};
 pub use resolved::Scene;

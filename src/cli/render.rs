@@ -6,7 +6,7 @@ use super::error_chart::error_chart;
 use super::frames::FrameRanges;
 use super::interrupt::Interrupt;
 use super::job_args::JobArguments;
-use super::outcome::{Failure, Status, error_summary, keep, say, say_waiting, warn};
+use super::outcome::{Failure, Status, error_summary, keep, say, say_waiting, tell, warn};
 use super::progress::{FractionProgress, SequenceProgress, clock, rays_per_second};
 use super::quote::accuracy_lines;
 use super::values::{OrderArgument, PrepareArgument, ProgressArgument, parse_time};
@@ -87,7 +87,7 @@ impl RenderArguments {
             let groups = input.scene.light_groups(&input.names);
             if !groups.is_empty() {
                 let groups: Vec<String> = groups.iter().map(LightGroup::to_string).collect();
-                say(format_args!("light: {}", groups.join("; ")));
+                tell(format_args!("light: {}", groups.join("; ")));
             }
             warn(&job.warnings(NEAR, frames));
         }
@@ -120,7 +120,6 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     let spec = arguments.job.spec(arguments.preview);
     let options = arguments.job.options(arguments.force);
     let mut job = Job::new(spec, Some(&out), &options)?;
-    job.check_light()?;
     job.check_room()?;
     let count = job.frame_count();
     let frames = match &arguments.frames {

@@ -38,16 +38,6 @@ pub enum JobError {
         /// What is wrong.
         message: String,
     },
-    /// Nothing shines, so that all frames would be black.
-    #[error(
-        "{scene}: nothing shines: it has no lights, no surface emits, and ambient and background are 0, so every frame \
-         would be black. Add `lights`, or render with `--light camera`, a headlight",
-        scene = .scene.display()
-    )]
-    NoLight {
-        /// The scene file.
-        scene: PathBuf,
-    },
     /// A shared cache is named, but frames look nothing up.
     #[error("--gi-cache: add --gi cached")]
     UnusedCache,

@@ -12,7 +12,6 @@ use crate::frames::{FrameFolder, SequenceRecord, is_name_of_frames};
 use crate::input::{GlobalIllumination, Mode, Samples, Settings};
 use crate::integrator::IntegratorSettings;
 use crate::memory::check_room;
-use crate::preflight::is_black;
 use crate::render::{
     FRAMES_IN_FLIGHT, FrameSink, Outcome, PixelSampling, RenderObserver, RenderSettings, Renderer,
     frame_memory,
@@ -230,16 +229,6 @@ impl Job {
         Renderer::new(&self.inputs.scene.scene, self.settings.clone(), cache)
             .expect("frames that look light up have a baked cache")
             .with_cache_errors(errors)
-    }
-
-    /// Checks that something shines on what there is to see.
-    pub fn check_light(&self) -> Result<(), JobError> {
-        let scene = &self.inputs.scene.scene;
-        if self.settings.headlight == 0.0 && is_black(scene) {
-            let scene = self.spec.scene.clone();
-            return Err(JobError::NoLight { scene });
-        }
-        Ok(())
     }
 
     /// Checks that the memory suffices for its frames.

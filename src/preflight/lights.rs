@@ -6,12 +6,6 @@ use crate::light::PointLight;
 use crate::scene::{Scene, SceneNames};
 use glam::Vec3;
 
-/// Whether nothing shines in a scene that has shapes: every picture of it is black.
-pub fn is_black(scene: &Scene) -> bool {
-    let has_shapes = scene.triangle_count() + scene.sphere_count() > 0;
-    has_shapes && is_unlit(scene) && scene.ambient == Vec3::ZERO && scene.sky.is_black()
-}
-
 /// Whether there are no lights that shine, but for ambient light and the sky.
 fn is_unlit(scene: &Scene) -> bool {
     let is_dark = |light: &PointLight| light.intensity == Vec3::ZERO;

@@ -26,7 +26,6 @@ mod timing;
 mod warning;
 
 pub use frame_runs::FrameRuns;
-pub use lights::is_black;
 pub use scene_warning::SceneWarning;
 pub use warning::{PathWarning, WarningKind};
 

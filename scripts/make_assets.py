@@ -83,6 +83,22 @@ def wood(u, v):
     return (0.22, 0.13, 0.07) if joint else mix((0.46, 0.29, 0.16), (0.64, 0.43, 0.25), tone)
 
 
+def herringbone(u, v):
+    """Blocks of 4 x 1 in zigzag; its rows run diagonally."""
+    i, j = int(16 * u), int(16 * v)
+    x, y = 16 * u - i, 16 * v - j
+    k = (i - j) % 8
+    if k < 4:                               # lying: k-th cell of its block
+        along, across, block = k + x, y, hash01((i - k) % 16, j, 15)
+    else:                                   # standing
+        along, across, block = 7 - k + y, x, hash01(i, (j + k - 7) % 16, 16)
+    joint = min(along, 4 - along, across, 1 - across) < 0.05
+    wave = 0.7 * noise(along / 4, across, 3, 11)
+    grain = 0.5 + 0.5 * math.sin(TAU * (3 * across + 3 * block + wave))
+    tone = steps(0.25 * grain + 0.75 * block, 16)
+    return (0.56, 0.43, 0.30) if joint else mix((0.76, 0.63, 0.46), (0.89, 0.79, 0.64), tone)
+
+
 def bricks(u, v):
     row = int(v * 16)
     x = (u * 8 + 0.5 * (row % 2)) % 8
@@ -220,6 +236,15 @@ class Model:
             for j in range(columns):
                 a, b = first + j, first + columns + 1 + j
                 self.face(a, a + 1, b + 1, b)
+
+    def turned_at(self, place, profile, columns, upright=False):
+        """The same somewhere else; upright turns its axis from +Y to +X."""
+        first = len(self.positions)
+        self.turned(profile, columns)
+        turn = lambda p: (p[1], -p[0], p[2]) if upright else p
+        for k in range(first, len(self.positions)):
+            self.positions[k] = tuple(a + b for a, b in zip(turn(self.positions[k]), place))
+            self.normals[k] = turn(self.normals[k])
 
     def write(self, name, library=None):
         def row(kind, values):
@@ -579,11 +604,397 @@ def make_rotunda():
     model.write("rotunda.obj", "gallery.mtl")
 
 
+# The sunroom
+
+# "lamp" is what glows on the wall: Ke.
+SUNROOM_MATERIALS = """\
+# made by scripts/make_assets.py
+newmtl floor
+Kd 1 1 1
+Ks 0.05 0.05 0.05
+illum 3
+map_Kd ../textures/herringbone.png
+
+newmtl plaster
+Kd 0.82 0.80 0.76
+illum 1
+
+newmtl white
+Kd 0.84 0.83 0.81
+illum 1
+
+newmtl teal
+Kd 0.08 0.25 0.32
+illum 1
+
+newmtl oak
+Kd 0.42 0.28 0.16
+illum 1
+
+newmtl rust
+Kd 0.56 0.15 0.07
+illum 1
+
+newmtl cream
+Kd 0.72 0.64 0.50
+illum 1
+
+newmtl blue
+Kd 0.10 0.20 0.42
+illum 1
+
+newmtl ochre
+Kd 0.66 0.42 0.09
+illum 1
+
+newmtl brass
+Kd 0.35 0.24 0.08
+Ks 0.45 0.33 0.14
+illum 3
+
+newmtl mirror
+Kd 0.02 0.02 0.02
+Ks 0.88 0.88 0.88
+illum 3
+
+newmtl clay
+Kd 0.60 0.30 0.18
+illum 1
+
+newmtl leaf
+Kd 0.10 0.28 0.06
+illum 1
+
+newmtl bark
+Kd 0.22 0.15 0.10
+illum 1
+
+newmtl hedge
+Kd 0.09 0.19 0.05
+illum 1
+
+newmtl lawn
+Kd 0.15 0.25 0.07
+illum 1
+
+newmtl paving
+Kd 0.52 0.47 0.39
+illum 1
+
+newmtl hills
+Kd 0.20 0.27 0.30
+illum 1
+
+newmtl dunes
+Kd 0.9 0.9 0.9
+illum 1
+map_Kd ../textures/dunes.png
+
+newmtl lamp
+Kd 0.8 0.8 0.8
+Ke 2.2 1.1 0.36
+illum 1
+"""
+
+# x = -3.2 to 3.2, y = 0 to 3.2, z = 0 to -8.4; the windows are at x = 3.2 and z = -8.4.
+ROOM_X, ROOM_Y, ROOM_Z = 3.2, 3.2, 8.4
+WALL = 0.35                             # thickness
+SILL, ARCH, HALF_WINDOW = 0.45, 1.95, 0.7
+SUN_WINDOWS = [1.9, 4.2, 6.5]           # their middles along the wall
+END_WINDOW = 1.55                       # and that of the end wall's, in x
+
+
+def window_outline(inset=0.0, n=24):
+    """From the left foot over the round top to the right foot; x = 0 is the middle."""
+    r = HALF_WINDOW - inset
+    return ([(-r, SILL + inset)] +
+            [(-r * math.cos(math.pi * k / n), ARCH + r * math.sin(math.pi * k / n))
+             for k in range(n + 1)] + [(r, SILL + inset)])
+
+
+def window_wall(model, place, length, middles, inside):
+    """A wall with round-headed windows: place(u, y, depth) in space, u along it. The outer sheet is
+    longer and higher than the inner one, so that it meets its neighbours and the roof."""
+    path = window_outline()
+    n = len(path) - 1
+    ends = [0] + [(a + b) / 2 for a, b in zip(middles, middles[1:])] + [length]
+
+    def sheet(low, high, depth):
+        quad = lambda *corners: model.quad(*(place(u, y, depth) for u, y in corners))
+        for middle, left, right in zip(middles, ends, ends[1:]):
+            left -= WALL if depth and left == 0 else 0
+            right += WALL if depth and right == length else 0
+            stops = [left, middle - HALF_WINDOW, middle + HALF_WINDOW, right]
+            for a, b in zip(stops, stops[1:]):
+                quad((a, low), (b, low), (b, SILL), (a, SILL))
+            top = [(left + (right - left) * k / (n - 2), high) for k in range(n - 1)]
+            outer = [(left, SILL)] + top + [(right, SILL)]
+            for (a, b), (c, d) in zip(zip(path, path[1:]), zip(outer, outer[1:])):
+                quad((a[0] + middle, a[1]), (b[0] + middle, b[1]), d, c)
+    model.material(inside)
+    sheet(0, ROOM_Y, 0)
+    model.material("plaster")
+    sheet(-0.2, ROOM_Y + 0.1, WALL)
+    model.material("white")
+    for middle in middles:
+        for a, b in zip(path, path[1:] + path[:1]):
+            model.quad(*(place(middle + u, y, d) for (u, y), d in
+                         ((a, 0), (b, 0), (b, WALL), (a, WALL))))
+        # The board on the sill.
+        low = place(middle - HALF_WINDOW - 0.1, SILL - 0.045, -0.12)
+        high = place(middle + HALF_WINDOW + 0.1, SILL, 0)
+        model.box(*zip(*(sorted(pair) for pair in zip(low, high))))
+
+
+def make_window():
+    """The frame and its bars, 6 cm deep, in the plane z = 0."""
+    model = Model()
+    deep = 0.03
+    outer, inner = window_outline(), window_outline(0.07)
+    for (a, b), (c, d) in zip(zip(outer, outer[1:] + outer[:1]), zip(inner, inner[1:] + inner[:1])):
+        for z in (deep, -deep):
+            model.quad((*a, z), (*c, z), (*d, z), (*b, z))
+        model.quad((*c, deep), (*c, -deep), (*d, -deep), (*d, deep))
+    r = HALF_WINDOW - 0.05
+    model.box((-0.025, SILL + 0.05, -0.025), (0.025, ARCH + r, 0.025))
+    for y in (SILL + 0.5, SILL + 1.0, ARCH):
+        model.box((-r, y - 0.02, -0.02), (r, y + 0.02, 0.02))
+    for angle in (45, 135):
+        c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+        corner = lambda along, across, z: (along * c - across * s, ARCH + along * s + across * c, z)
+        bar = ((0, -0.02), (r, -0.02), (r, 0.02), (0, 0.02))
+        for side in (-0.02, 0.02):
+            model.quad(*(corner(along, across, side) for along, across in bar))
+            model.quad(*(corner(along, side, z) for along, z in bar))
+    model.write("sunroom_window.obj")
+
+
+def make_chair():
+    """It faces +Z."""
+    model = Model()
+    model.box((-0.22, 0.43, -0.21), (0.22, 0.47, 0.23))
+    for x in (-0.2, 0.2):
+        model.box((x - 0.02, 0, 0.18), (x + 0.02, 0.43, 0.22))
+        model.box((x - 0.02, 0, -0.22), (x + 0.02, 0.88, -0.18))
+    model.box((-0.18, 0.76, -0.21), (0.18, 0.88, -0.19))
+    model.box((-0.18, 0.58, -0.21), (0.18, 0.64, -0.19))
+    model.write("sunroom_chair.obj")
+
+
+def make_cushion():
+    """A rounded box from -1 to 1, plumper in the middle."""
+    power = lambda x, e: math.copysign(abs(x) ** e, x)
+
+    def point(s, t):
+        a, b = math.pi * (s - 0.5), -TAU * t
+        r = power(math.cos(a), 0.35)
+        return (r * power(math.cos(b), 0.3), power(math.sin(a), 0.35), r * power(math.sin(b), 0.3))
+    model = Model()
+    model.grid(14, 28, point)
+    model.write("sunroom_cushion.obj")
+
+
+def make_tree():
+    """4 m tall; the crown is of flat facets of uneven height, which look like leaves."""
+    model = Model()
+    model.material("bark")
+    model.turned([(0.16, -0.2), (0.10, 0.6), (0.10, 1.9)], 10)
+    model.material("hedge")
+
+    def crown(s, t):
+        a, b = math.pi * (s - 0.5), TAU * t
+        r = 1.25 + 0.45 * (noise(t % 1, min(s, 0.999), 9, 81) - 0.5) * (0 < s < 1)
+        wide = r * math.cos(a)
+        return (wide * math.sin(b), 2.7 + 1.05 * r * math.sin(a), wide * math.cos(b))
+    model.grid(18, 28, crown, smooth=False)
+    model.write("sunroom_tree.obj", "sunroom.mtl")
+
+
+def make_plant():
+    """A pot with long leaves that bend over."""
+    model = Model()
+    model.material("clay")
+    model.turned([(0, 0), (0.15, 0), (0.21, 0.36), (0.23, 0.36), (0.23, 0.41), (0.20, 0.41),
+                  (0.19, 0.33)], 32)
+    model.material("bark")
+    model.turned([(0.2, 0.33), (0, 0.36)], 32)
+    model.material("leaf")
+    for k in range(17):
+        turn = 2.4 * k                      # the golden angle, nearly
+        long = 0.75 + 0.65 * hash01(k, 1, 91)
+        bend = 0.5 + 1.1 * hash01(k, 2, 91)
+
+        def leaf(s, t, turn=turn, long=long, bend=bend):
+            lean = 0.12 + bend * s
+            out = 0.03 + long * s * math.sin(lean) * 0.8
+            y = 0.34 + long * s * math.cos(lean * 0.75)
+            wide = 0.12 * math.sin(math.pi * (0.08 + 0.92 * s) ** 0.8) * (2 * t - 1)
+            y += 0.25 * abs(wide)           # a fold along the middle
+            return (out * math.cos(turn) - wide * math.sin(turn), y,
+                    out * math.sin(turn) + wide * math.cos(turn))
+        model.grid(12, 4, leaf)
+    model.write("sunroom_plant.obj", "sunroom.mtl")
+
+
+def make_sunroom():
+    model = Model()
+    x, y, z = ROOM_X, ROOM_Y, -ROOM_Z
+    model.material("floor")
+    model.quad((-x, 0, 0), (x, 0, 0), (x, 0, z), (-x, 0, z),
+               [((a + b) / 2, (a - b) / 2) for a, b in ((-x, 0), (x, 0), (x, z), (-x, z))])
+    model.material("white")
+    model.quad((-x, y, z), (x, y, z), (x, y, 0), (-x, y, 0))
+    # The closed walls; the roof and the walls' outer sides, so that light has one way in.
+    model.material("plaster")
+    model.quad((-x, 0, 0), (-x, 0, z), (-x, y, z), (-x, y, 0))
+    model.quad((x, 0, 0), (-x, 0, 0), (-x, y, 0), (x, y, 0))
+    model.box((-x - WALL, -0.2, WALL), (x + WALL, y + 0.1, WALL + 0.02))
+    model.box((-x - WALL - 0.02, -0.2, z - WALL), (-x - WALL, y + 0.1, WALL + 0.02))
+    model.material("oak")
+    model.box((-x - 0.5, y + 0.1, z - 0.5), (x + 0.5, y + 0.3, 0.5))
+    window_wall(model, lambda u, h, d: (x + d, h, -u), ROOM_Z, SUN_WINDOWS, "plaster")
+    window_wall(model, lambda u, h, d: (u - x, h, z - d), 2 * x, [END_WINDOW + x], "teal")
+    # Beams, and boards at the feet of the walls.
+    model.material("oak")
+    for k in range(7):
+        model.box((-x, y - 0.2, -0.66 - 1.18 * k), (x, y, -0.54 - 1.18 * k))
+    model.material("white")
+    model.box((-x, 0, z), (-x + 0.02, 0.11, 0))
+    model.box((x - 0.02, 0, z), (x, 0.11, 0))
+    model.box((-x + 0.02, 0, z), (x - 0.02, 0.11, z + 0.02))
+    sunroom_furniture(model)
+    sunroom_garden(model)
+    model.write("sunroom.obj", "sunroom.mtl")
+
+
+def sunroom_furniture(model):
+    x, z = ROOM_X, -ROOM_Z
+    # The rug, and a round table on it.
+    model.material("cream")
+    model.box((-2.1, 0, -4.5), (0.6, 0.010, -1.3))
+    model.material("rust")
+    model.box((-1.98, 0.010, -4.38), (0.48, 0.016, -1.42))
+    model.material("ochre")
+    for c in (-4.1, -3.98, -1.84, -1.72):
+        model.box((-1.98, 0.016, c), (0.48, 0.018, c + 0.04))
+    model.material("oak")
+    model.turned_at((-0.75, 0, -2.9), [
+        (0, 0.016), (0.26, 0.016), (0.26, 0.04), (0.05, 0.07), (0.045, 0.38), (0.36, 0.38),
+        (0.38, 0.39), (0.38, 0.41), (0.36, 0.42), (0, 0.42)], 48)
+    # The dining table, and a bowl on it.
+    model.box((-0.35, 0.70, -7.15), (0.65, 0.75, -5.25))
+    for a in (-0.28, 0.52):
+        for b in (-7.08, -5.38):
+            model.box((a, 0, b), (a + 0.06, 0.70, b + 0.06))
+    model.material("cream")
+    model.turned_at((0.1, 0.75, -5.7), [
+        (0, 0.002), (0.06, 0.002), (0.12, 0.04), (0.15, 0.09), (0.142, 0.09), (0.11, 0.045),
+        (0, 0.02)], 40)
+    # The shelf, books, jugs.
+    model.material("oak")
+    deep, a, b = -x + 0.32, -7.9, -5.7
+    for h in (0.11, 0.55, 0.99, 1.43, 1.87):
+        model.box((-x + 0.001, h, a), (deep, h + 0.03, b))
+    for c in (a, (a + b) / 2 - 0.015, b - 0.03):
+        model.box((-x + 0.001, 0, c), (deep - 0.001, 1.95, c + 0.03))
+    colors = ["rust", "blue", "cream", "ochre", "teal", "white"]
+    for shelf, (first, count) in enumerate([(-7.85, 15), (-6.75, 11), (-7.4, 9)]):
+        h, at = (0.14, 0.58, 1.46)[shelf], first
+        for k in range(count):
+            wide = 0.025 + 0.025 * hash01(k, shelf, 101)
+            model.material(colors[int(6 * hash01(k, shelf, 102)) % 6])
+            front = deep - 0.05 - 0.04 * hash01(k, shelf, 103)
+            top = h + 0.24 + 0.12 * hash01(k, shelf, 104)
+            model.box((-x + 0.05, h, at), (front, top, at + wide - 0.002))
+            at += wide
+    jug = [(0, 0), (0.06, 0), (0.10, 0.09), (0.10, 0.14), (0.045, 0.21), (0.04, 0.26),
+           (0.055, 0.29), (0.035, 0.26), (0.03, 0.1)]
+    for color, c, h in (("rust", -7.2, 0.14), ("blue", -7.6, 1.02), ("cream", -7.25, 1.02),
+                        ("teal", -6.1, 1.46)):
+        model.material(color)
+        model.turned_at((-x + 0.17, h, c), jug, 28)
+    # A round mirror over the sofa.
+    model.material("brass")
+    middle = (-x, 1.62, -2.9)
+    model.turned_at(middle, [(0.56, 0.001), (0.58, 0.03), (0.54, 0.04), (0.52, 0.02)], 64, True)
+    model.material("mirror")
+    model.turned_at(middle, [(0.53, 0.02), (0, 0.02)], 64, True)
+    # A picture on the end wall between two lamps.
+    picture_frame(model, (-1.7, 1.25, z), 1.2, 1.0, "dunes")
+    for c in (-2.55, -0.85):
+        model.material("brass")
+        model.box((c - 0.07, 1.58, z), (c + 0.07, 1.92, z + 0.03))
+        model.material("lamp")
+        front = z + 0.031
+        model.quad((c - 0.05, 1.6, front), (c + 0.05, 1.6, front),
+                   (c + 0.05, 1.9, front), (c - 0.05, 1.9, front))
+    # A low chest under the picture.
+    model.material("oak")
+    model.box((-2.3, 0.12, z + 0.02), (-1.1, 0.62, z + 0.43))
+    for c in (-2.29, -1.695):
+        model.box((c, 0.13, z + 0.43), (c + 0.585, 0.61, z + 0.45))
+    model.material("bark")
+    model.box((-2.25, 0, z + 0.06), (-1.15, 0.12, z + 0.40))
+    # The pendant's cord.
+    model.box((0.196, 1.9, -6.204), (0.204, ROOM_Y, -6.196))
+    model.material("brass")
+    model.turned_at((0.2, 1.7, -6.2), [
+        (0.10, 0.16), (0.105, 0.17), (0.05, 0.22), (0.015, 0.25), (0, 0.25)], 32)
+
+
+def picture_frame(model, middle_foot, width, height, name):
+    """Hung on an end wall, facing +Z."""
+    x, y, z = middle_foot
+    a, b, c = x - width / 2, x + width / 2, y + height
+    model.material(name)
+    model.quad((a, y, z + 0.02), (b, y, z + 0.02), (b, c, z + 0.02), (a, c, z + 0.02),
+               [(0, 0), (1, 0), (1, 1), (0, 1)])
+    model.material("oak")
+    model.box((a - 0.05, y - 0.05, z), (b + 0.05, y, z + 0.04))
+    model.box((a - 0.05, c, z), (b + 0.05, c + 0.05, z + 0.04))
+    model.box((a - 0.05, y, z), (a, c, z + 0.04))
+    model.box((b, y, z), (b + 0.05, c, z + 0.04))
+
+
+def sunroom_garden(model):
+    """What the windows show: a terrace, a lawn between hedges, hills."""
+    x, z = ROOM_X + WALL, -ROOM_Z - WALL
+    model.material("paving")
+    model.box((-x, -0.3, z - 3.5), (x + 3.0, -0.12, z))
+    model.box((x, -0.3, z), (x + 3.0, -0.12, 3))
+    model.material("lawn")
+    ring = [(170 * math.cos(TAU * k / 24), -0.15, -170 * math.sin(TAU * k / 24)) for k in range(24)]
+    model.face(*(model.vertex(p) for p in ring))
+
+    def hedge(start, end):
+        """1.2 m tall, of flat facets of uneven height."""
+        def point(s, t):
+            bump = 0.24 * (noise(s % 1, min(t, 0.999), 60, 111) - 0.5)
+            a, r = math.pi * t, 0.5 + bump
+            along = (start[0] + (end[0] - start[0]) * s, start[1] + (end[1] - start[1]) * s)
+            side = unit((start[1] - end[1], end[0] - start[0], 0))
+            off = r * math.copysign(abs(math.cos(a)) ** 0.4, math.cos(a))
+            return (along[0] + off * side[0], -0.2 + 1.25 * math.sin(a) ** 0.4 + bump * math.sin(a),
+                    along[1] + off * side[1])
+        model.grid(110, 8, point, smooth=False)
+    model.material("hedge")
+    hedge((-14, -22), (16, -22))
+    hedge((16, -22), (16, 6))
+    model.material("hills")
+
+    def hills(s, t):
+        a = TAU * s
+        h = 13 + 6 * math.sin(5 * a + 1) + 3 * math.sin(11 * a) + 1 * math.sin(23 * a + 2)
+        return ((170 - 25 * (1 - t)) * math.sin(a), -1 + h * t, (170 - 25 * (1 - t)) * math.cos(a))
+    model.grid(160, 2, hills)
+
+
 def main():
     for folder in ("models", "textures"):
         os.makedirs(os.path.join(SCENES, folder), exist_ok=True)
     write_png("checker.png", 256, checker)
     write_png("wood.png", 256, wood)
+    write_png("herringbone.png", 320, herringbone)
     write_png("bricks.png", 256, bricks)
     write_png("plaster.png", 256, plaster)
     write_png("stone.png", 256, stone)
@@ -601,6 +1012,14 @@ def main():
     make_arcade()
     make_hall()
     make_rotunda()
+    with open(os.path.join(SCENES, "models", "sunroom.mtl"), "w", newline="\n") as out:
+        out.write(SUNROOM_MATERIALS)
+    make_window()
+    make_chair()
+    make_cushion()
+    make_tree()
+    make_plant()
+    make_sunroom()
 
 
 if __name__ == "__main__":

@@ -62,6 +62,9 @@ filter bleeding.png "[0]$corner,pad=iw+8[a];[1]${corner}[b];[a][b]hstack" \
 still test3 test3 test3 --mode montecarlo --samples 4 --frames 0
 filter test3.png null "$work/test3.png"
 
+still sunroom sunroom sunroom --mode montecarlo --gi cached --samples 64 --frames 0 --size 640x360
+cp "$work/sunroom.png" "$pictures"
+
 still gallery gallery gallery --frames 66 --size 960x540
 filter gallery.png null "$work/gallery.png"
 target/release/flythrough path plot scenes/gallery.ron paths/gallery.ron --out "$pictures/path.svg"

@@ -127,8 +127,8 @@ impl PathState {
     /// rays.
     pub(super) fn sky_weight(&self, scene: &Scene, sky: Option<&SkySampler>) -> f32 {
         match (self.sky, sky) {
-            (Emission::Seen, _) | (_, None) => 1.0,
             (Emission::Sampled, _) => 0.0,
+            (Emission::Seen, _) | (_, None) => 1.0,
             (
                 Emission::Weighted {
                     shading_normal,

@@ -307,3 +307,58 @@ fn scenes_without_diffuse_surfaces_have_no_records() {
         assert_eq!(cached(&scene, &path, &baked, 3), expected);
     }
 }
+
+/// A plate under a sky of radiance L has its albedo times L, or two thirds of it under a cosine sky: what records gather and
+/// what is sampled where the camera sees it add up to the whole, no more.
+#[test]
+fn the_sky_is_counted_once() {
+    for (background, part) in [
+        ("(1, 2, 4)", 1.0),
+        ("gradient(zenith: (1, 2, 4), horizon: (0, 0, 0))", 2.0 / 3.0),
+    ] {
+        let scene = scene(&format!(
+            "Scene(
+                background: {background},
+                materials: {{\"grey\": (diffuse: (0.5, 0.5, 0.5))}},
+                objects: [{}],
+            )",
+            plate(0.0, 50.0, "grey")
+        ));
+        let path = glide(
+            [DVec3::new(0.0, 2.0, 2.0), DVec3::new(1.0, 2.0, 2.0)],
+            DVec3::ZERO,
+        );
+        let baked = baked(&scene, &path, 2);
+        let seen = mean(&cached(&scene, &path, &baked, 3));
+        let expected = 0.5 * part * Vec3::new(1.0, 2.0, 4.0);
+        assert!(
+            (seen / expected - 1.0).abs().max_element() < 0.02,
+            "{background}: {seen}"
+        );
+    }
+}
+
+/// The room of `scenes/test3.ron`, lit by a lamp on the ceiling, by the sky through its open front and by a sun.
+#[test]
+fn emitters_sky_and_sun_are_counted_once() {
+    let text = std::fs::read_to_string(root().join("scenes/test3.ron")).unwrap();
+    let (head, rest) = text.split_once("    lights: [").unwrap();
+    let (_, objects) = rest.split_once("    objects: [").unwrap();
+    let lamp = plate(0.9, 0.3, "lamp");
+    let head = head.replace(
+        "materials: {",
+        "background: (0.5, 1, 2), materials: {\"lamp\": (emission: (4, 3, 2), two_sided: true),",
+    );
+    let scene = scene(&format!(
+        "{head} lights: [sun(direction: (0.5, -0.6, -1), irradiance: (2, 1.5, 1), angle: 5)],
+         objects: [{lamp}{objects}"
+    ));
+    let path = across_the_room();
+    let baked = baked(&scene, &path, 4);
+    for frame in [0, 8] {
+        let seen = mean(&cached(&scene, &path, &baked, frame));
+        let expected = mean(&path_traced(&scene, &path, 64, frame));
+        let ratio = seen / expected;
+        assert!((ratio - 1.0).abs().max_element() < 0.02, "{frame}: {ratio}");
+    }
+}

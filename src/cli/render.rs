@@ -6,7 +6,7 @@ use super::error_chart::error_chart;
 use super::frames::FrameRanges;
 use super::interrupt::Interrupt;
 use super::job_args::JobArguments;
-use super::outcome::{Failure, Status, error_summary, keep, say, say_waiting, tell, warn};
+use super::outcome::{Failure, Status, error_summary, keep, say, say_waiting, warn};
 use super::progress::{FractionProgress, SequenceProgress, clock, rays_per_second};
 use super::quote::accuracy_lines;
 use super::values::{OrderArgument, PrepareArgument, ProgressArgument, parse_time};
@@ -80,15 +80,9 @@ pub(super) struct RenderArguments {
 }
 
 impl RenderArguments {
-    /// Says where the light comes from, and warns of what may be wrong with the inputs of some frames, as `check` does.
+    /// Warns of what may be wrong with the inputs of some frames, as `check` does.
     fn warn_of(&self, job: &Job, frames: &[u32]) {
         if !self.quiet {
-            let input = &job.inputs().scene;
-            let groups = input.scene.light_groups(&input.names);
-            if !groups.is_empty() {
-                let groups: Vec<String> = groups.iter().map(LightGroup::to_string).collect();
-                tell(format_args!("light: {}", groups.join("; ")));
-            }
             warn(&job.warnings(NEAR, frames));
         }
     }
@@ -99,6 +93,16 @@ impl RenderArguments {
             true => self.out.join("preview"),
             false => self.out.clone(),
         }
+    }
+}
+
+/// Says where the light of the frames came from.
+fn say_lights(job: &Job) {
+    let input = &job.inputs().scene;
+    let groups = input.scene.light_groups(&input.names);
+    if !groups.is_empty() {
+        let groups: Vec<String> = groups.iter().map(LightGroup::to_string).collect();
+        say(format_args!("light: {}", groups.join("; ")));
     }
 }
 
@@ -198,6 +202,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
         for line in accuracy.iter().flat_map(accuracy_lines) {
             say(format_args!("{line}"));
         }
+        say_lights(&job);
     }
     warn(&shortcomings(&outcome, job.settings().target_error));
     if is_anothers {

@@ -7,13 +7,14 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 /// The shipped scenes and the paths through them.
-const PAIRS: [(&str, &str); 6] = [
+const PAIRS: [(&str, &str); 7] = [
     ("test", "test"),
     ("test1", "test"),
     ("test2", "translate_rotate"),
     ("test2", "zoom"),
     ("test3", "test3"),
     ("gallery", "gallery"),
+    ("sunroom", "sunroom"),
 ];
 
 /// Renders small frames into a folder; returns the exit status and stderr.

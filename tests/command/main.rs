@@ -7,6 +7,7 @@ mod support;
 mod cli;
 mod hostile_names;
 mod job;
+mod lights;
 mod path_command;
 mod path_plot;
 mod preflight;

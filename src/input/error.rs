@@ -80,9 +80,9 @@ pub enum InputError {
         /// What the decoder says.
         source: image::ImageError,
     },
-    /// An image is too large.
+    /// An image is too large for a texture, or for the sky.
     #[error(
-        "{file}: an image of {width}x{height} texels; it may have up to {most}: make it smaller",
+        "{file}: an image of {width}x{height} texels; a texture may have up to {most}: make it smaller",
         file = .file.display()
     )]
     LargeImage {

@@ -173,7 +173,7 @@ fn images_that_claim_to_be_huge() {
     bmp[22..26].copy_from_slice(&65_535_u32.to_le_bytes());
     let (status, message) = check(TEXTURED, &path(KEY), &[("t.png", &bmp)]);
     assert_eq!(status, Some(2), "{message}");
-    let expected = "t.png: an image of 65535x65535 texels; it may have up to 268435456";
+    let expected = "t.png: an image of 65535x65535 texels; a texture may have up to 268435456";
     assert!(message.contains(expected), "{message}");
     bmp[18..22].copy_from_slice(&16_384_u32.to_le_bytes());
     bmp[22..26].copy_from_slice(&16_384_u32.to_le_bytes());

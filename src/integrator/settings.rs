@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// How the radiance along a camera ray is computed.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum IntegratorSettings {
-    /// Direct light, ambient light and mirrors (Whitted 1980). Uses no random numbers.
+    /// Direct light, ambient light and mirrors (Whitted 1980). Uses random numbers for soft shadows only.
     Whitted {
         /// How often a ray may be reflected.
         bounces: u32,

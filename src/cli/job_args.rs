@@ -134,7 +134,7 @@ pub(super) struct SettingsArguments {
     #[arg(long, value_name = "N,N,...", value_delimiter = ',')]
     splits: Option<Vec<u32>>,
     /// Shadow rays from each surface that a camera sample sees: for all surfaces that emit and lights with a radius
-    /// together, and for each sun that is not a point [default: 4]
+    /// together, for each sun that is not a point, and for the sky where shadow rays find it [default: 4]
     #[arg(long, value_name = "N")]
     shadow_rays: Option<u32>,
     /// A light beside those of the scene: camera, a headlight that shows scenes without any

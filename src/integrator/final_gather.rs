@@ -5,7 +5,6 @@ use super::hit_surfaces::HitSurfaces;
 use super::light_sampler::LightSampler;
 use super::path_state::{Emission, PathState, Technique};
 use super::path_tracer::{PathTracer, Schedule};
-use super::sky_sampler::SkySampler;
 use crate::accel::QueryState;
 use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::{Bsdf, FeatureSet, Features};
@@ -41,7 +40,6 @@ pub struct GatherPaths {
 #[derive(Clone, Debug)]
 pub struct FinalGather<'a> {
     light_sampler: LightSampler<'a>,
-    sky: Option<SkySampler>,
 }
 
 impl<'a> FinalGather<'a> {
@@ -49,13 +47,7 @@ impl<'a> FinalGather<'a> {
     pub fn new(scene: &'a Scene) -> FinalGather<'a> {
         FinalGather {
             light_sampler: LightSampler::new(scene),
-            sky: SkySampler::new(scene),
         }
-    }
-
-    /// What samples the sky; none where it is black.
-    pub(super) fn sky(&self) -> Option<&SkySampler> {
-        self.sky.as_ref()
     }
 
     pub(super) fn scene(&self) -> &'a Scene {

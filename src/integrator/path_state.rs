@@ -48,6 +48,30 @@ pub(super) enum Emission {
     },
 }
 
+impl Emission {
+    /// The weight of the light along a ray of this direction, by the balance heuristic. `shadow_pdf` gives the pdf, over
+    /// solid angle, with which shadow rays are sampled in it at a shading normal.
+    fn weight(&self, direction: Vec3, shadow_pdf: impl FnOnce(Vec3) -> f32) -> f32 {
+        match *self {
+            Emission::Seen => 1.0,
+            Emission::Sampled => 0.0,
+            Emission::Weighted {
+                shading_normal,
+                cosine_rays,
+                shadow_rays,
+            } => {
+                let cosine_pdf = shading_normal.dot(direction).max(0.0) / PI;
+                balance_heuristic(
+                    cosine_rays,
+                    cosine_pdf,
+                    shadow_rays,
+                    shadow_pdf(shading_normal),
+                )
+            }
+        }
+    }
+}
+
 /// How a direction was sampled.
 ///
 /// Near lights there are two techniques: by the cosine, or towards points that are traced from lights. Light is
@@ -108,42 +132,23 @@ impl PathState {
 
     /// The weight of the light that an emitter sends along the last ray, given its hit.
     pub(super) fn emission_weight(&self, scene: &Scene, hit: &Hit) -> f32 {
-        match self.emission {
-            Emission::Seen => 1.0,
-            Emission::Sampled => 0.0,
-            Emission::Weighted {
-                shading_normal,
-                cosine_rays,
-                shadow_rays,
-            } => {
-                let cosine_pdf = shading_normal.dot(self.ray.direction).max(0.0) / PI;
-                let emitter_pdf = scene.emitter_pdf(shading_normal, &self.ray, hit);
-                balance_heuristic(cosine_rays, cosine_pdf, shadow_rays, emitter_pdf)
-            }
-        }
+        let shadow_pdf = |shading_normal| scene.emitter_pdf(shading_normal, &self.ray, hit);
+        self.emission.weight(self.ray.direction, shadow_pdf)
     }
 
     /// The weight of the light of the sky along the last ray, which leaves the scene, given what samples the sky by shadow
     /// rays.
     pub(super) fn sky_weight(&self, scene: &Scene, sky: Option<&SkySampler>) -> f32 {
-        match (self.sky, sky) {
-            (Emission::Sampled, _) => 0.0,
-            (Emission::Seen, _) | (_, None) => 1.0,
-            (
-                Emission::Weighted {
-                    shading_normal,
-                    cosine_rays,
-                    shadow_rays,
-                },
-                Some(sky),
-            ) => {
-                let direction = self.ray.direction;
-                let techniques = sky.techniques(scene, self.ray.origin, shading_normal);
-                let cosine_pdf = shading_normal.dot(direction).max(0.0) / PI;
-                let sky_pdf = techniques.pdf(direction);
-                balance_heuristic(cosine_rays, cosine_pdf, shadow_rays, sky_pdf)
-            }
-        }
+        let Ray {
+            origin, direction, ..
+        } = self.ray;
+        self.sky.weight(direction, |shading_normal| {
+            let techniques = |sky: &SkySampler| {
+                let techniques = sky.techniques(scene, origin, shading_normal);
+                techniques.pdf(direction)
+            };
+            sky.map_or(0.0, techniques)
+        })
     }
 
     /// The weight of multiple importance sampling by the balance heuristic: the pdf of cosine sampling over that of the

@@ -6,7 +6,7 @@ use super::direct::{LightContribution, direct_lighting_incoherent};
 use super::hit_surfaces::{HitSurfaces, ambient, spawn_reflected_ray, surfaces};
 use super::light_sampler::LightSampler;
 use super::path_state::{Emission, PathState, Technique};
-use super::sampled_lights::{NO_SKY, ShadowNumbers, add_sampled_lights, has_sampled_lights};
+use super::sampled_lights::{ShadowNumbers, add_sampled_lights, has_sampled_lights};
 use super::sky_sampler::SkySampler;
 use crate::accel::QueryState;
 use crate::irradiance_cache::SecondaryIrradiance;
@@ -242,8 +242,8 @@ impl<F: Features> PathTracer<'_, F> {
             rays: schedule.shadow_rays(&paths[i]),
             cosine_rays: schedule.cosine_rays::<F>(&paths[i], surface),
             sky_rays: match paths[i].diffuse_bounces {
-                0 if paths[i].depth < schedule.bounces => schedule.splits(&paths[i]) as f32,
-                _ => NO_SKY,
+                0 if paths[i].depth < schedule.bounces => Some(schedule.splits(&paths[i]) as f32),
+                _ => None,
             },
         };
         add_sampled_lights::<F>(scene, sky, hit, &rays, numbers, closest, direct);

@@ -48,6 +48,7 @@ enum Method<'a> {
     Cached {
         cache: &'a IrradianceCache,
         final_gather: FinalGather<'a>,
+        sky: Option<SkySampler>,
     },
 }
 
@@ -98,6 +99,7 @@ impl<'a> Integrator<'a> {
                 Method::Cached {
                     cache,
                     final_gather: FinalGather::new(scene),
+                    sky: SkySampler::new(scene),
                 }
             }
         };
@@ -210,7 +212,7 @@ fn radiance_for<F: Features>(
         shadow_rays: integrator.shadow_rays,
         headlight: integrator.headlight,
         sky: match &integrator.method {
-            Method::Cached { final_gather, .. } => final_gather.sky(),
+            Method::Cached { sky, .. } => sky.as_ref(),
             Method::Whitted { .. } | Method::PathTraced { .. } => None,
         },
     };
@@ -225,6 +227,7 @@ fn radiance_for<F: Features>(
         Method::Cached {
             cache,
             final_gather,
+            ..
         } => {
             let cached = CachedIrradiance {
                 cache,

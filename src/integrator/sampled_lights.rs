@@ -33,12 +33,9 @@ pub(super) struct ShadowNumbers {
     /// How many directions are sampled by the cosine as well, and count for emitters that they hit: multiple importance
     /// sampling.
     pub(super) cosine_rays: f32,
-    /// As `cosine_rays`, of those that may find the sky; [`NO_SKY`] if there are no shadow rays to it.
-    pub(super) sky_rays: f32,
+    /// As `cosine_rays`, of those that may find the sky; none if there are no shadow rays to it.
+    pub(super) sky_rays: Option<f32>,
 }
-
-/// No shadow rays to the sky.
-pub(super) const NO_SKY: f32 = -1.0;
 
 /// A shadow ray and what it brings.
 struct ShadowRay {
@@ -94,9 +91,16 @@ pub(super) fn add_sampled_lights<F: Features>(
         let numbers = numbers(index, surface);
         let to_viewer = -rays[index].direction;
         let point = &surface.point;
-        let techniques = sky
-            .filter(|_| numbers.sky_rays != NO_SKY && surface.bsdf.diffuse != Vec3::ZERO)
-            .map(|sky| sky.techniques(scene, point.spawn_origin(), point.shading_normal));
+        let of_sky = sky
+            .zip(numbers.sky_rays)
+            .filter(|_| surface.bsdf.diffuse != Vec3::ZERO)
+            .map(|(sky, cosine_rays)| {
+                let origin = point.spawn_origin();
+                (
+                    sky.techniques(scene, origin, point.shading_normal),
+                    cosine_rays,
+                )
+            });
         for ray in 0..numbers.rays {
             let mut add = |sample, light| {
                 batch.push(ShadowRay {
@@ -106,8 +110,8 @@ pub(super) fn add_sampled_lights<F: Features>(
                 });
             };
             numbers.sample::<F>(scene, surface, to_viewer, ray, &mut add);
-            if let Some(techniques) = &techniques {
-                numbers.sample_sky(scene, techniques, surface, ray, &mut add);
+            if let Some((techniques, cosine_rays)) = &of_sky {
+                numbers.sample_sky(scene, techniques, *cosine_rays, surface, ray, &mut add);
             }
             if batch.len() >= BATCH {
                 trace(&mut batch);
@@ -182,6 +186,7 @@ impl ShadowNumbers {
         &self,
         scene: &Scene,
         techniques: &SkyTechniques,
+        cosine_rays: f32,
         surface: &SurfaceInteraction,
         ray: u32,
         add: &mut impl FnMut(LightSample, Vec3),
@@ -195,7 +200,7 @@ impl ShadowNumbers {
         if cosine <= 0.0 || direction.dot(point.geometric_normal) <= 0.0 {
             return;
         }
-        let weight = balance_heuristic(self.rays as f32, pdf, self.sky_rays, cosine / PI);
+        let weight = balance_heuristic(self.rays as f32, pdf, cosine_rays, cosine / PI);
         let reflected = surface.bsdf.diffuse * (weight * cosine / (PI * pdf * self.rays as f32));
         let light = reflected * scene.sky.radiance(direction);
         if light != Vec3::ZERO && light.is_finite() {

@@ -22,7 +22,7 @@ const PARTS: f32 = 8.0;
 /// How many rooms away from the origin parts begin to be larger.
 const NEAR: f32 = 2.0;
 
-/// Rays that measure it.
+/// Rays that measure the width of a room.
 const PROBES: u32 = 1024;
 
 /// The number of lists of parts.

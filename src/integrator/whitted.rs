@@ -4,7 +4,7 @@
 use super::camera_sample::CameraSample;
 use super::direct::{add_headlight, direct_lighting_coherent};
 use super::hit_surfaces::{HitSurfaces, ambient, coherent_surfaces, spawn_reflected_ray};
-use super::sampled_lights::{NO_SKY, ShadowNumbers, add_sampled_lights, has_sampled_lights};
+use super::sampled_lights::{ShadowNumbers, add_sampled_lights, has_sampled_lights};
 use super::sky_sampler::SkySampler;
 use crate::accel::QueryState;
 use crate::material::Features;
@@ -89,7 +89,7 @@ impl CameraLight<'_> {
                     depth,
                     rays: self.shadow_rays,
                     cosine_rays: 0.0,
-                    sky_rays: if bounces_left > 0 { 0.0 } else { NO_SKY },
+                    sky_rays: (bounces_left > 0).then_some(0.0),
                 }
             };
             let closest =

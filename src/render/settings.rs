@@ -15,7 +15,7 @@ pub struct RenderSettings {
     /// How the radiance along a camera ray is computed.
     pub integrator: IntegratorSettings,
     /// How many shadow rays leave each surface that a camera sample sees, at least one: for all emitters and lights with a
-    /// radius together, and for each sun that is not a point.
+    /// radius together, for each sun that is not a point, and for the sky where shadow rays find it.
     pub shadow_rays: u32,
     /// The radiance of a white Lambert surface that faces the camera, in the light that the camera carries; 0 without.
     pub headlight: f32,

@@ -39,34 +39,20 @@ pub(super) enum Emission {
     Sampled,
     /// A part, as shadow rays may have been sampled in its direction, too.
     Weighted {
-        /// At the point that the ray leaves.
-        shading_normal: Vec3,
-        /// How many rays are sampled there by the cosine, ...
-        cosine_rays: f32,
-        /// ... and towards emitters.
-        shadow_rays: f32,
+        /// How many rays leave the surface as this one does, by the cosine.
+        rays: f32,
     },
 }
 
 impl Emission {
-    /// The weight of the light along a ray of this direction, by the balance heuristic. `shadow_pdf` gives the pdf, over
-    /// solid angle, with which shadow rays are sampled in it at a shading normal.
-    fn weight(&self, direction: Vec3, shadow_pdf: impl FnOnce(Vec3) -> f32) -> f32 {
-        match *self {
+    /// The weight of the light along a ray with this cosine to the shading normal that it leaves, by the balance heuristic.
+    /// `shadow_density` gives the pdf of shadow rays in its direction, over solid angle, times their number.
+    fn weight(self, cosine: f32, shadow_density: impl FnOnce() -> f32) -> f32 {
+        match self {
             Emission::Seen => 1.0,
             Emission::Sampled => 0.0,
-            Emission::Weighted {
-                shading_normal,
-                cosine_rays,
-                shadow_rays,
-            } => {
-                let cosine_pdf = shading_normal.dot(direction).max(0.0) / PI;
-                balance_heuristic(
-                    cosine_rays,
-                    cosine_pdf,
-                    shadow_rays,
-                    shadow_pdf(shading_normal),
-                )
+            Emission::Weighted { rays } => {
+                balance_heuristic(rays, cosine.max(0.0) / PI, 1.0, shadow_density())
             }
         }
     }
@@ -130,24 +116,40 @@ impl PathState {
         })
     }
 
-    /// The weight of the light that an emitter sends along the last ray, given its hit.
-    pub(super) fn emission_weight(&self, scene: &Scene, hit: &Hit) -> f32 {
-        let shadow_pdf = |shading_normal| scene.emitter_pdf(shading_normal, &self.ray, hit);
-        self.emission.weight(self.ray.direction, shadow_pdf)
+    /// The weight of the light that an emitter sends along the last ray, given its hit, the shading normal that the ray leaves,
+    /// and how many shadow rays for emitters do.
+    pub(super) fn emission_weight(
+        &self,
+        scene: &Scene,
+        hit: &Hit,
+        shading_normal: Vec3,
+        shadow_rays: u32,
+    ) -> f32 {
+        let cosine = shading_normal.dot(self.ray.direction);
+        let shadow_pdf = || scene.emitter_pdf(shading_normal, &self.ray, hit);
+        self.emission
+            .weight(cosine, || shadow_rays as f32 * shadow_pdf())
     }
 
-    /// The weight of the light of the sky along the last ray, which leaves the scene, given what samples the sky by shadow
-    /// rays.
-    pub(super) fn sky_weight(&self, scene: &Scene, sky: Option<&SkySampler>) -> f32 {
+    /// The weight of the light of the sky along the last ray, which leaves the scene, given the shading normal that the ray
+    /// leaves, what samples the sky by shadow rays, and how many of them there are.
+    pub(super) fn sky_weight(
+        &self,
+        scene: &Scene,
+        sky: Option<&SkySampler>,
+        shading_normal: Vec3,
+        shadow_rays: u32,
+    ) -> f32 {
         let Ray {
             origin, direction, ..
         } = self.ray;
-        self.sky.weight(direction, |shading_normal| {
-            let techniques = |sky: &SkySampler| {
-                let techniques = sky.techniques(scene, origin, shading_normal);
-                techniques.pdf(direction)
-            };
-            sky.map_or(0.0, techniques)
+        let cosine = shading_normal.dot(direction);
+        let shadow_pdf = |sky: &SkySampler| {
+            sky.techniques(scene, origin, shading_normal)
+                .pdf(direction)
+        };
+        self.sky.weight(cosine, || {
+            shadow_rays as f32 * sky.map_or(0.0, shadow_pdf)
         })
     }
 

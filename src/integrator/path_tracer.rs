@@ -54,9 +54,9 @@ impl Schedule<'_> {
         self.splits.get(path.diffuse_bounces).copied().unwrap_or(1)
     }
 
-    /// How many shadow rays for emitters leave the end of a path.
-    fn shadow_rays(&self, path: &PathState) -> u32 {
-        if path.diffuse_bounces == 0 {
+    /// How many shadow rays for emitters leave a surface that a path reaches after so many diffuse bounces.
+    fn shadow_rays(&self, diffuse_bounces: usize) -> u32 {
+        if diffuse_bounces == 0 {
             self.shadow_rays
         } else {
             1
@@ -80,34 +80,20 @@ impl Schedule<'_> {
         if self.counts_emitters_by_shadow_rays {
             return Emission::Sampled;
         }
-        self.weighted(surface, self.cosine_rays::<F>(path, surface), path)
+        Emission::Weighted {
+            rays: self.cosine_rays::<F>(path, surface),
+        }
     }
 
     /// How much of the light of the sky counts along such a ray, where `has_shadow_rays` to the sky leave the surfaces that a
     /// camera sees.
-    fn sky(
-        &self,
-        path: &PathState,
-        surface: &SurfaceInteraction,
-        has_shadow_rays: bool,
-    ) -> Emission {
+    fn sky(&self, path: &PathState, has_shadow_rays: bool) -> Emission {
         match path.diffuse_bounces {
             0 if self.excludes_sky => Emission::Sampled,
-            0 if has_shadow_rays => self.weighted(surface, self.splits(path) as f32, path),
+            0 if has_shadow_rays => Emission::Weighted {
+                rays: self.splits(path) as f32,
+            },
             _ => Emission::Seen,
-        }
-    }
-
-    fn weighted(
-        &self,
-        surface: &SurfaceInteraction,
-        cosine_rays: f32,
-        path: &PathState,
-    ) -> Emission {
-        Emission::Weighted {
-            shading_normal: surface.point.shading_normal,
-            cosine_rays,
-            shadow_rays: self.shadow_rays(path) as f32,
         }
     }
 }
@@ -165,10 +151,12 @@ impl<F: Features> PathTracer<'_, F> {
     }
 
     /// The incident radiance along the last rays of up to [`WAVEFRONT_SIZE`] paths, with textures filtered over the
-    /// footprints of these rays; over none if there are no `differentials`.
+    /// footprints of these rays; over none if there are no `differentials`. `normal` gives the shading normal of the surface that a
+    /// path leaves.
     fn incident_radiance(
         &mut self,
         paths: &[PathState],
+        normal: impl Fn(usize) -> Vec3,
         differentials: &[RayDifferential],
         radiance: &mut [Vec3],
     ) {
@@ -177,39 +165,47 @@ impl<F: Features> PathTracer<'_, F> {
         let mut hits = vec![None; rays.len()];
         scene.closest_incoherent(&rays, &mut hits, self.query_state);
         let mut hit = surfaces::<F>(scene, &rays, differentials, &hits);
-        for ((emitted, path), hit) in hit.emitted.iter_mut().zip(paths).zip(&hits) {
+        // From the surface that a path leaves for its last ray.
+        let (schedule, sky) = (self.schedule, self.sky);
+        let shadow_rays =
+            |path: &PathState| schedule.shadow_rays(path.diffuse_bounces.saturating_sub(1));
+        for (i, emitted) in hit.emitted.iter_mut().enumerate() {
             if *emitted != Vec3::ZERO
-                && let Some(hit) = hit
+                && let Some(hit) = &hits[i]
             {
-                *emitted *= path.emission_weight(scene, hit);
+                let path = &paths[i];
+                *emitted *= path.emission_weight(scene, hit, normal(i), shadow_rays(path));
             }
         }
         let light_sampler = self.light_sampler;
+        let mut weights = [1.0; WAVEFRONT_SIZE];
+        let mut direct;
         if light_sampler.is_empty() {
-            let mut direct = self.direct_lighting(&hit.surfaces, &rays, |_| {});
-            self.add_sampled_lights(paths, &hit, &mut direct);
-            return self.outgoing_radiance(paths, &hit, &direct, radiance);
-        }
-        let mut light_pdfs = [0.0; WAVEFRONT_SIZE];
-        let mut direct = self.direct_lighting(&hit.surfaces, &rays, |contribution| {
-            light_pdfs[contribution.surface] += light_sampler.pdf(
-                contribution.light,
-                contribution.distance,
-                contribution.cosine,
-            );
-        });
-        let mut weights = [0.0; WAVEFRONT_SIZE];
-        for (i, path) in paths.iter().enumerate() {
-            let surface = hits[i].as_ref().zip(hit.surfaces[i].as_ref());
-            weights[i] = path.mis_weight(surface, light_pdfs[i]);
-            if weights[i] == 0.0 {
-                hit.surfaces[i] = None;
+            direct = self.direct_lighting(&hit.surfaces, &rays, |_| {});
+        } else {
+            let mut light_pdfs = [0.0; WAVEFRONT_SIZE];
+            direct = self.direct_lighting(&hit.surfaces, &rays, |contribution| {
+                light_pdfs[contribution.surface] += light_sampler.pdf(
+                    contribution.light,
+                    contribution.distance,
+                    contribution.cosine,
+                );
+            });
+            for (i, path) in paths.iter().enumerate() {
+                let surface = hits[i].as_ref().zip(hit.surfaces[i].as_ref());
+                weights[i] = path.mis_weight(surface, light_pdfs[i]);
+                if weights[i] == 0.0 {
+                    hit.surfaces[i] = None;
+                }
             }
         }
         self.add_sampled_lights(paths, &hit, &mut direct);
         self.outgoing_radiance(paths, &hit, &direct, radiance);
-        for (radiance, weight) in radiance.iter_mut().zip(weights) {
-            *radiance *= weight;
+        for (i, path) in paths.iter().enumerate() {
+            if hits[i].is_none() {
+                weights[i] *= path.sky_weight(scene, sky, normal(i), shadow_rays(path));
+            }
+            radiance[i] *= weights[i];
         }
     }
 
@@ -239,7 +235,7 @@ impl<F: Features> PathTracer<'_, F> {
             sequence: paths[i].sequence,
             index: paths[i].index,
             depth: paths[i].depth,
-            rays: schedule.shadow_rays(&paths[i]),
+            rays: schedule.shadow_rays(paths[i].diffuse_bounces),
             cosine_rays: schedule.cosine_rays::<F>(&paths[i], surface),
             sky_rays: match paths[i].diffuse_bounces {
                 0 if paths[i].depth < schedule.bounces => Some(schedule.splits(&paths[i]) as f32),
@@ -264,8 +260,7 @@ impl<F: Features> PathTracer<'_, F> {
         let mut splits = Vec::with_capacity(WAVEFRONT_SIZE);
         for (parent, path) in paths.iter().enumerate() {
             let Some(surface) = &hit.surfaces[parent] else {
-                let weight = path.sky_weight(self.scene(), self.sky);
-                radiance[parent] = weight * self.scene().sky.radiance(path.ray.direction);
+                radiance[parent] = self.scene().sky.radiance(path.ray.direction);
                 continue;
             };
             let mirror = surface.bsdf.mirror_weight::<F>();
@@ -336,7 +331,11 @@ impl<F: Features> PathTracer<'_, F> {
                 }));
             }
             let mut incident = [Vec3::ZERO; WAVEFRONT_SIZE];
-            self.incident_radiance(&paths, &differentials, &mut incident);
+            let normal = |i: usize| match &hit.surfaces[wave[i].parent] {
+                Some(surface) => surface.point.shading_normal,
+                None => Vec3::ZERO,
+            };
+            self.incident_radiance(&paths, normal, &differentials, &mut incident);
             for (split, incident) in wave.iter().zip(incident) {
                 radiance[split.parent] += split.throughput * incident;
             }
@@ -386,7 +385,7 @@ impl<F: Features> PathTracer<'_, F> {
         };
         let count = self.schedule.splits(path);
         let emission = self.schedule.emission::<F>(path, surface);
-        let sky = self.schedule.sky(path, surface, self.sky.is_some());
+        let sky = self.schedule.sky(path, self.sky.is_some());
         let (diffuse, mirror) = (diffuse / count as f32, mirror / count as f32);
         let diffuse = diffuse / (1.0 - mirror_probability);
         for i in 0..count {

@@ -8,7 +8,7 @@
 use crate::accel::QueryState;
 use crate::material::FeatureMask;
 use crate::math::Ray;
-use crate::sampling::{PiecewiseConstant1D, SobolSequence, uniform_sphere};
+use crate::sampling::{DirectionCell, DirectionHistogram, SobolSequence, cube_face, uniform_sphere};
 use crate::scene::{Scene, SurfacePoint};
 use glam::{IVec3, Vec3};
 use std::f32::consts::PI;
@@ -17,7 +17,7 @@ use std::sync::OnceLock;
 
 /// Parts along the distance that one in ten rays between surfaces exceeds, about the width of a room: so finely that a
 /// window moves little in the views of a part.
-const PARTS: f32 = 8.0;
+const PARTS: f32 = 4.0;
 
 /// How many rooms away from the origin parts begin to be larger.
 const NEAR: f32 = 2.0;
@@ -31,19 +31,13 @@ const LISTS: usize = 1 << 14;
 /// Points of a part from which rays are traced.
 const POINTS: u32 = 16;
 
-/// Cells of directions along the edge of each face of a cube around the point.
-const CELLS: usize = 8;
-
-/// Rays to each cell of directions.
-const RAYS: u32 = 4;
-
-/// What a neighbour adds to a cell of directions, of its own brightness: the edge of a window moves with the point.
-const BLUR: f64 = 0.15;
+/// Rays to each cell of directions: so many that gaps between slats and leaves are found.
+const RAYS: u32 = 16;
 
 /// The directions in which the sky is seen from a part of the scene.
 #[derive(Debug)]
 pub(super) struct SkyView {
-    cells: PiecewiseConstant1D,
+    pub(super) directions: DirectionHistogram,
     /// The part of the irradiance of a sky without obstacles that arrives, 0..1.
     pub(super) openness: f32,
 }
@@ -121,7 +115,7 @@ impl SkyGuide {
         Key {
             place: (parts / (1_u32 << level) as f32).floor().as_ivec3(),
             level,
-            side: CubePoint::of(normal).face,
+            side: cube_face(normal),
         }
     }
 
@@ -143,36 +137,34 @@ impl SkyGuide {
         if points.is_empty() {
             return None;
         }
-        let cells = 6 * CELLS * CELLS;
-        let mut rays = Vec::with_capacity(cells * RAYS as usize);
-        let mut owners = Vec::with_capacity(rays.capacity());
-        for cell in 0..cells {
+        let numbers = sequence.stream(0);
+        let (mut rays, mut owners) = (Vec::new(), Vec::new());
+        for (index, cell) in DirectionCell::all().enumerate() {
             for i in 0..RAYS {
-                let number = cell as u32 * RAYS + i;
-                let direction = direction_in(cell, sequence.stream(0).sample_2d(number, 1));
+                let number = index as u32 * RAYS + i;
+                let direction = cell.direction(numbers.sample_2d(number, 1));
                 // Every point gets rays to every part of the sphere.
                 let point = &points[(number.wrapping_mul(5) % points.len() as u32) as usize];
                 let cos = direction.dot(point.shading_normal);
                 if cos > 0.0 && direction.dot(point.geometric_normal) > 0.0 {
                     rays.push(point.spawn_ray(direction));
-                    owners.push((cell, cos));
+                    owners.push((index, cos));
                 }
             }
         }
         let mut hits = vec![None; rays.len()];
         scene.closest_incoherent(&rays, &mut hits, &mut query_state);
-        let (mut bright, mut open) = (vec![0.0_f64; cells], 0.0);
+        let (mut bright, mut open) = (vec![0.0; DirectionCell::all().count()], 0.0);
         for ((ray, hit), (cell, cos)) in rays.iter().zip(&hits).zip(owners) {
             if hit.is_none() {
-                let weight = f64::from(cos * solid_angle(ray.direction)) / f64::from(RAYS);
+                let weight = f64::from(cos * DirectionCell::solid_angle(ray.direction)) / f64::from(RAYS);
                 let radiance = scene.sky.radiance(ray.direction).element_sum();
                 bright[cell] += weight * f64::from(radiance);
                 open += weight;
             }
         }
-        let weights = blurred(&bright);
-        (open > 0.0 && weights.iter().any(|weight| *weight > 0.0)).then(|| SkyView {
-            cells: PiecewiseConstant1D::new(&weights),
+        Some(SkyView {
+            directions: DirectionHistogram::new(&bright)?,
             openness: (open as f32 / PI).min(1.0),
         })
     }
@@ -199,7 +191,7 @@ impl SkyGuide {
         };
         let hit = scene.closest(&ray, query_state)?;
         let point = scene.surface::<FeatureMask<0>>(&ray, &hit).point;
-        (CubePoint::of(point.shading_normal).face == side).then_some(point)
+        (cube_face(point.shading_normal) == side).then_some(point)
     }
 }
 
@@ -230,91 +222,6 @@ fn room_width(scene: &Scene) -> f32 {
     }
     lengths.sort_unstable_by(f32::total_cmp);
     lengths.get(lengths.len() * 9 / 10).copied().unwrap_or(1.0)
-}
-
-impl SkyView {
-    /// A direction in which the sky is seen, by two numbers in [0, 1).
-    pub(super) fn sample(&self, [u, v]: [f32; 2]) -> Vec3 {
-        let (cell, rest) = self.cells.sample(u);
-        direction_in(cell, [rest, v])
-    }
-
-    /// The pdf of a unit direction, over solid angle.
-    pub(super) fn pdf(&self, direction: Vec3) -> f32 {
-        self.cells.probability(CubePoint::of(direction).cell()) / solid_angle(direction)
-    }
-}
-
-/// A direction as a point of the cube [-1, 1]^3.
-struct CubePoint {
-    /// Twice the axis, and 1 on its negative side.
-    face: usize,
-    /// Along the next axis and the one after it.
-    uv: [f32; 2],
-}
-
-impl CubePoint {
-    fn of(direction: Vec3) -> CubePoint {
-        let size = direction.abs();
-        let axis = match () {
-            () if size.x >= size.y && size.x >= size.z => 0,
-            () if size.y >= size.z => 1,
-            () => 2,
-        };
-        CubePoint {
-            face: 2 * axis + usize::from(direction[axis] < 0.0),
-            uv: [1, 2].map(|next| direction[(axis + next) % 3] / size[axis]),
-        }
-    }
-
-    /// The number of its cell.
-    fn cell(&self) -> usize {
-        let [column, row] = self.uv.map(|x| {
-            let cell = 0.5 * (x + 1.0) * CELLS as f32;
-            (cell as usize).min(CELLS - 1)
-        });
-        (self.face * CELLS + row) * CELLS + column
-    }
-}
-
-/// The unit direction at a place, two numbers in [0, 1), of a cell.
-fn direction_in(cell: usize, place: [f32; 2]) -> Vec3 {
-    let (face, row, column) = (cell / (CELLS * CELLS), cell / CELLS % CELLS, cell % CELLS);
-    let (axis, sign) = (face / 2, if face % 2 == 0 { 1.0 } else { -1.0 });
-    let mut point = Vec3::ZERO;
-    point[axis] = sign;
-    for ((next, cell), place) in [(1, column), (2, row)].into_iter().zip(place) {
-        point[(axis + next) % 3] = 2.0 * (cell as f32 + place) / CELLS as f32 - 1.0;
-    }
-    point.normalize()
-}
-
-/// The solid angle, in sr, that a cell would have if all of it were as close to the centre of the cube as in this unit
-/// direction: 1 over it is the pdf of [`direction_in`].
-fn solid_angle(direction: Vec3) -> f32 {
-    let cosine = direction.abs().max_element();
-    let edge = 2.0 / CELLS as f32;
-    edge * edge * cosine * cosine * cosine
-}
-
-/// The cells, with a part of their neighbours on the same face.
-fn blurred(cells: &[f64]) -> Vec<f64> {
-    let of_cell = |(index, own): (usize, &f64)| {
-        let (face, row, column) = (
-            index / (CELLS * CELLS),
-            index / CELLS % CELLS,
-            index % CELLS,
-        );
-        let neighbour = |[dx, dy]: [usize; 2]| {
-            let (x, y) = ((column + dx).checked_sub(1)?, (row + dy).checked_sub(1)?);
-            (x < CELLS && y < CELLS).then(|| cells[(face * CELLS + y) * CELLS + x])
-        };
-        let neighbours = [[0, 1], [2, 1], [1, 0], [1, 2]]
-            .into_iter()
-            .filter_map(neighbour);
-        own + BLUR * neighbours.sum::<f64>()
-    };
-    cells.iter().enumerate().map(of_cell).collect()
 }
 
 #[cfg(test)]
@@ -380,23 +287,6 @@ mod tests {
         builder.build().0
     }
 
-    /// Every direction lies in the cell that it was chosen in, and the mean of the solid angle's inverse makes up the cell.
-    #[test]
-    fn cells_of_directions_tile_the_sphere() {
-        let mut sum = 0.0;
-        let n = 8;
-        for cell in 0..6 * CELLS * CELLS {
-            for i in 0..n * n {
-                let place = [i % n, i / n].map(|k| (k as f32 + 0.5) / n as f32);
-                let direction = direction_in(cell, place);
-                assert!((direction.length() - 1.0).abs() < 1e-6);
-                assert_eq!(CubePoint::of(direction).cell(), cell);
-                sum += solid_angle(direction) / (n * n) as f32;
-            }
-        }
-        assert!((sum - 4.0 * PI).abs() < 1e-3, "{sum}");
-    }
-
     /// From the middle of the floor the hole takes up 1 / (16 pi) of the irradiance, and directions are found there.
     #[test]
     fn rooms_find_their_windows() {
@@ -409,7 +299,7 @@ mod tests {
         assert!((0.01..0.04).contains(&openness), "{openness}");
         let sequence = SobolSequence::new(1, 0, 0, 0);
         let through = (0..1024).filter(|&i| {
-            let direction = view.sample(sequence.sample_2d(i, 0));
+            let direction = view.directions.sample(sequence.sample_2d(i, 0));
             let at = floor + direction * (4.0 / direction.y);
             direction.y > 0.0 && at.x.abs() < 0.5 && at.z.abs() < 0.5
         });
@@ -421,24 +311,5 @@ mod tests {
             .view(&scene, Vec3::new(1.5, 2.0, 1.5), Vec3::Y)
             .expect("the sky");
         assert!(roof.openness > 0.8, "{}", roof.openness);
-    }
-
-    #[test]
-    fn the_pdf_integrates_to_one() {
-        let scene = room();
-        let guide = SkyGuide::new(&scene);
-        let view = guide
-            .view(&scene, Vec3::new(1.0, -2.0, 0.3), Vec3::Y)
-            .expect("the sky");
-        let n = 2000;
-        let mut sum = 0.0;
-        for i in 0..n {
-            for j in 0..n {
-                let [u, v] = [i, j].map(|k| (k as f32 + 0.5) / n as f32);
-                sum += f64::from(view.pdf(uniform_sphere(u, v))) * 4.0 * std::f64::consts::PI;
-            }
-        }
-        let mean = sum / f64::from(n * n);
-        assert!((mean - 1.0).abs() < 0.01, "{mean}");
     }
 }

@@ -95,7 +95,7 @@ impl SkyTechniques<'_> {
                 let [u, v] = numbers;
                 to_world(self.shading_normal, cosine_hemisphere(u, v))
             }
-            Some(view) if choice < self.by_cosine + self.by_view => view.sample(numbers),
+            Some(view) if choice < self.by_cosine + self.by_view => view.directions.sample(numbers),
             _ => self.scene.sky.sample(numbers).0,
         };
         (direction, self.pdf(direction))
@@ -106,7 +106,7 @@ impl SkyTechniques<'_> {
         let by_brightness = 1.0 - self.by_cosine - self.by_view;
         let mut pdf = self.by_cosine * direction.dot(self.shading_normal).max(0.0) / PI;
         if let Some(view) = self.view {
-            pdf += self.by_view * view.pdf(direction);
+            pdf += self.by_view * view.directions.pdf(direction);
         }
         if by_brightness > 0.0 {
             pdf += by_brightness * self.scene.sky.pdf(direction);

@@ -56,6 +56,10 @@ impl Cone {
     /// The part of the intensity, 0..1, in a unit direction away from the light.
     #[inline(always)]
     pub fn attenuation(&self, direction: Vec3) -> f32 {
+        // Most lights: it costs them nothing.
+        if self.scale == 0.0 {
+            return self.offset;
+        }
         let linear = (direction.dot(self.axis) * self.scale + self.offset).clamp(0.0, 1.0);
         linear * linear
     }

@@ -4,6 +4,7 @@
 //! whatever thread, order or machine renders it.
 
 mod cone;
+mod direction_histogram;
 mod piecewise_constant;
 mod random;
 mod sobol;
@@ -12,6 +13,7 @@ mod van_der_corput;
 mod warp;
 
 pub use cone::{uniform_cone, uniform_cone_pdf};
+pub use direction_histogram::{DirectionCell, DirectionHistogram, cube_face};
 pub use piecewise_constant::{PiecewiseConstant1D, PiecewiseConstant2D};
 pub use random::Random;
 pub use sobol::{MixtureChoice, SobolSequence};

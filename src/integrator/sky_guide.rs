@@ -17,7 +17,7 @@ use std::sync::OnceLock;
 
 /// Parts along the distance that one in ten rays between surfaces exceeds, about the width of a room: so finely that a
 /// window moves little in the views of a part.
-const PARTS: f32 = 4.0;
+const PARTS: f32 = 8.0;
 
 /// How many rooms away from the origin parts begin to be larger.
 const NEAR: f32 = 2.0;

@@ -9,7 +9,7 @@ const EDGE: usize = 8;
 const CELLS: usize = 6 * EDGE * EDGE;
 
 /// Probabilities are whole numbers over this.
-const STEPS: f64 = 65536.0;
+const STEPS: u16 = u16::MAX;
 
 /// Where the search for a cell begins: by as many parts of the steps.
 const STARTS: usize = 64;
@@ -94,17 +94,17 @@ impl DirectionHistogram {
         let sum: f64 = weights.iter().sum();
         // What weighs anything has a step at least.
         let least = |weight: &&f64| **weight > 0.0;
-        let spare = STEPS - weights.iter().filter(least).count() as f64;
+        let spare = f64::from(STEPS) - weights.iter().filter(least).count() as f64;
         let mut total = 0.0;
         let mut before = [0; CELLS];
         let mut counted = 0.0;
         for (cell, weight) in weights.iter().enumerate() {
-            before[cell] = (counted + (total / sum * spare).floor()).min(STEPS - 1.0) as u16;
+            before[cell] = (counted + (total / sum * spare).floor()) as u16;
             total += weight;
             counted += f64::from(u8::from(*weight > 0.0));
         }
         let start = |part: usize| {
-            let step = (part * (1 << 16) / STARTS) as u16;
+            let step = (part * usize::from(STEPS) / STARTS) as u16;
             before.partition_point(|&before| before <= step) as u16 - 1
         };
         (sum > 0.0).then(|| DirectionHistogram {
@@ -116,7 +116,7 @@ impl DirectionHistogram {
     /// A unit direction, by two numbers in [0, 1).
     #[inline]
     pub fn sample(&self, [u, v]: [f32; 2]) -> Vec3 {
-        let steps = u * STEPS as f32;
+        let steps = u * f32::from(STEPS);
         let mut cell = usize::from(self.starts[(u * STARTS as f32) as usize]);
         while self
             .before
@@ -133,17 +133,14 @@ impl DirectionHistogram {
     #[inline]
     pub fn pdf(&self, direction: Vec3) -> f32 {
         let cell = DirectionCell::of(direction);
-        self.steps(usize::from(cell.0)) / (STEPS as f32 * DirectionCell::solid_angle(direction))
+        self.steps(usize::from(cell.0)) / (f32::from(STEPS) * DirectionCell::solid_angle(direction))
     }
 
     /// The probability of a cell, in steps.
     #[inline]
     fn steps(&self, cell: usize) -> f32 {
-        let end = self
-            .before
-            .get(cell + 1)
-            .map_or(STEPS as f32, |&end| f32::from(end));
-        end - f32::from(self.before[cell])
+        let end = self.before.get(cell + 1).unwrap_or(&STEPS);
+        f32::from(end - self.before[cell])
     }
 }
 

@@ -70,12 +70,17 @@ const MIN_SECONDARY_RADIUS: f32 = 0.4;
 /// on large flat surfaces.
 const TOTAL_PRIMARY_PATHS: usize = 16_000_000;
 
-/// Bounds of paths per primary record.
+/// Bounds of paths per primary record, in two rounds.
 const MIN_PATHS: usize = 160;
 const MAX_PATHS: usize = 480;
 
-/// Paths per secondary record, for each number of bounces left.
+/// Paths per secondary record, for each number of bounces left, in two rounds.
 const SECONDARY_PATHS: u32 = 32;
+
+/// The relative noise, at refinement level 0, above which records get more paths: in rooms that are lit through windows
+/// few of them find the light.
+const PRIMARY_NOISE: f32 = 0.05;
+const SECONDARY_NOISE: f32 = 0.2;
 
 /// How many generations of secondary records are placed, each where the last one sees surfaces.
 const GENERATIONS: u32 = 8;
@@ -83,6 +88,11 @@ const GENERATIONS: u32 = 8;
 /// The radius of records at a refinement level, relative to level 0: each level halves their area.
 fn radius_scale(refinement_level: u32) -> f32 {
     0.7_f32.powi(refinement_level as i32)
+}
+
+/// The noise of records at a refinement level, relative to level 0: each has twice as many paths.
+fn noise_scale(refinement_level: u32) -> f32 {
+    0.5_f32.powf(0.5 * refinement_level as f32)
 }
 
 /// The irradiance records of some camera paths, and what it takes to add those of further paths.
@@ -348,7 +358,8 @@ impl BakeState {
             let gather_pass = GatherPass {
                 final_gather,
                 bounces_left,
-                paths: SECONDARY_PATHS << self.refinement_level,
+                paths: SECONDARY_PATHS << self.refinement_level >> 1,
+                noise: SECONDARY_NOISE * noise_scale(self.refinement_level),
                 stream: RandomStream::Secondary,
                 seed: self.seed,
             };
@@ -386,7 +397,8 @@ impl BakeState {
             let gather_pass = GatherPass {
                 final_gather,
                 bounces_left,
-                paths: paths << self.refinement_level,
+                paths: paths << self.refinement_level >> 1,
+                noise: PRIMARY_NOISE * noise_scale(self.refinement_level),
                 stream: RandomStream::Primary,
                 seed: self.seed,
             };

@@ -11,6 +11,9 @@ use rayon::prelude::*;
 /// Points that are gathered for together.
 const BATCH: usize = 16;
 
+/// At most this many times the paths of a round leave a point; at least two times.
+const MAX_ROUNDS: u32 = 16;
+
 /// What samples are for. Samples of different purposes are independent.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum RandomStream {
@@ -38,8 +41,10 @@ pub(super) struct GatherPass<'a> {
     pub(super) final_gather: &'a FinalGather<'a>,
     /// How many bounces are left at the records, at least one.
     pub(super) bounces_left: u32,
-    /// Paths per record.
+    /// Paths per record and round.
     pub(super) paths: u32,
+    /// Rounds go on until the standard error of a value, over the value, is at most this.
+    pub(super) noise: f32,
     pub(super) stream: RandomStream,
     pub(super) seed: u32,
 }
@@ -54,27 +59,102 @@ impl GatherPass<'_> {
         on_point: &(dyn Fn() + Sync),
     ) -> Vec<Vec3> {
         let of_batch = |points: &[SurfacePoint]| {
-            let gather_point = |point: &SurfacePoint| GatherPoint {
-                point: *point,
-                sequence: sequence_of(point, self.seed, self.stream, self.bounces_left),
-                index: 0,
-            };
-            let points: Vec<GatherPoint> = points.iter().map(gather_point).collect();
             let mut query_state = QueryState::default();
-            let mean_radiance = self.final_gather.gather(
-                &points,
-                GatherPaths {
-                    bounces_left: self.bounces_left,
-                    count: self.paths,
-                    // What a camera sees gets that by shadow rays.
-                    include_sky: matches!(self.stream, RandomStream::Secondary),
-                },
-                Some(secondary),
-                &mut query_state,
-            );
+            let mut sums = vec![RoundSums::default(); points.len()];
+            let mut noisy: Vec<usize> = (0..points.len()).collect();
+            for round in 0..MAX_ROUNDS {
+                let gather_point = |&number: &usize| GatherPoint {
+                    point: points[number],
+                    sequence: sequence_of(
+                        &points[number],
+                        self.seed,
+                        self.stream,
+                        self.bounces_left,
+                    ),
+                    index: round,
+                };
+                let gather_points: Vec<GatherPoint> = noisy.iter().map(gather_point).collect();
+                let mean_radiance = self.final_gather.gather(
+                    &gather_points,
+                    GatherPaths {
+                        bounces_left: self.bounces_left,
+                        count: self.paths,
+                        // What a camera sees gets that by shadow rays.
+                        include_sky: matches!(self.stream, RandomStream::Secondary),
+                    },
+                    Some(secondary),
+                    &mut query_state,
+                );
+                for (&number, radiance) in noisy.iter().zip(mean_radiance) {
+                    sums[number].add(radiance);
+                }
+                noisy.retain(|&number| sums[number].relative_error() > self.noise);
+                if noisy.is_empty() {
+                    break;
+                }
+            }
             points.iter().for_each(|_| on_point());
-            mean_radiance
+            sums.into_iter().map(|sums| sums.mean())
         };
         points.par_chunks(BATCH).flat_map_iter(of_batch).collect()
+    }
+}
+
+/// The sums of the values that rounds gave.
+#[derive(Clone, Default)]
+struct RoundSums {
+    rounds: f32,
+    sum: Vec3,
+    /// Of the squares of the sum over the channels.
+    squares: f32,
+}
+
+impl RoundSums {
+    fn add(&mut self, value: Vec3) {
+        self.rounds += 1.0;
+        self.sum += value;
+        self.squares += value.element_sum() * value.element_sum();
+    }
+
+    fn mean(&self) -> Vec3 {
+        self.sum / self.rounds
+    }
+
+    /// The standard error of the mean over the mean; infinite of a single value, 0 of black.
+    fn relative_error(&self) -> f32 {
+        if self.rounds < 2.0 {
+            return f32::INFINITY;
+        }
+        let mean = self.mean().element_sum();
+        let variance = (self.squares / self.rounds - mean * mean).max(0.0) / (self.rounds - 1.0);
+        if mean > 0.0 {
+            variance.sqrt() / mean
+        } else {
+            0.0
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rounds_know_their_noise() {
+        let mut sums = RoundSums::default();
+        sums.add(Vec3::splat(1.0));
+        assert_eq!(sums.relative_error(), f32::INFINITY);
+        sums.add(Vec3::splat(3.0));
+        // Two values one off their mean of 2: the mean's deviation is 1.
+        assert_eq!(sums.mean(), Vec3::splat(2.0));
+        assert!((sums.relative_error() - 0.5).abs() < 1e-6);
+        for value in [1.0, 3.0] {
+            sums.add(Vec3::splat(value));
+        }
+        assert!((sums.relative_error() - 0.5 / 3.0_f32.sqrt()).abs() < 1e-6);
+        let mut black = RoundSums::default();
+        black.add(Vec3::ZERO);
+        black.add(Vec3::ZERO);
+        assert_eq!(black.relative_error(), 0.0);
     }
 }

@@ -3,7 +3,8 @@
 //! 1. Placement: records cover what the frames see, more densely where other surfaces are close (Ward et al.
 //!    1988), and, more coarsely, what is seen from there.
 //! 2. Gathering: path tracing gives the value of each record; of secondary records for one bounce left, for two,
-//!    and so on, each from the last, and from these that of primary records.
+//!    and so on, each from the last, and from these that of primary records. Where few paths find the light, more are
+//!    traced.
 //! 3. Gradients: a linear function is fitted to the values around each primary record.
 //! 4. Validation: at held-out pixels the cache is compared with path tracing, which gives the cache error of each
 //!    frame. Where it exceeds the target, all is baked again with more and smaller records.

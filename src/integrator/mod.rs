@@ -18,7 +18,9 @@
 //! weighted against these (multiple importance sampling, Veach and Guibas 1995). The sky is found by paths and, where a
 //! camera sees a room, by shadow rays through its windows.
 //!
-//! Tried, and no better: shadow rays to the sky beyond the first bounce, which took twice the time of what they saved.
+//! Tried, and no better: shadow rays to the sky beyond the first bounce, which took twice the time of what they saved;
+//! directions of all bounces by what parts of the scene learned of all light, which lowered the error of interiors 1.3 to
+//! 2.4 times, and cost as much to look up and to learn.
 //! Russian roulette after the first bounce, with probabilities of 1/2 to 1/8, loses as much as it
 //! saves.
 //!

@@ -144,13 +144,10 @@ impl PathState {
             origin, direction, ..
         } = self.ray;
         let cosine = shading_normal.dot(direction);
-        let shadow_pdf = |sky: &SkySampler| {
-            sky.techniques(scene, origin, shading_normal)
-                .pdf(direction)
-        };
-        self.sky.weight(cosine, || {
-            shadow_rays as f32 * sky.map_or(0.0, shadow_pdf)
-        })
+        let shadow_pdf =
+            |sky: &SkySampler| sky.techniques(scene, origin, shading_normal).pdf(direction);
+        self.sky
+            .weight(cosine, || shadow_rays as f32 * sky.map_or(0.0, shadow_pdf))
     }
 
     /// The weight of multiple importance sampling by the balance heuristic: the pdf of cosine sampling over that of the

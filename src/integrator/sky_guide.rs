@@ -8,7 +8,9 @@
 use crate::accel::QueryState;
 use crate::material::FeatureMask;
 use crate::math::Ray;
-use crate::sampling::{DirectionCell, DirectionHistogram, SobolSequence, cube_face, uniform_sphere};
+use crate::sampling::{
+    DirectionCell, DirectionHistogram, SobolSequence, cube_face, uniform_sphere,
+};
 use crate::scene::{Scene, SurfacePoint};
 use glam::{IVec3, Vec3};
 use std::f32::consts::PI;
@@ -85,13 +87,20 @@ impl SkyGuide {
         }
     }
 
-    /// The view from a point of a surface with this normal.
-    pub(super) fn view(&self, scene: &Scene, position: Vec3, normal: Vec3) -> Option<&SkyView> {
-        let key = self.key(position, normal);
+    /// The view from a point of a surface with this normal, from parts whose edge is doubled `wider` times.
+    pub(super) fn view(
+        &self,
+        scene: &Scene,
+        position: Vec3,
+        normal: Vec3,
+        wider: u32,
+    ) -> Option<&SkyView> {
+        let key = self.key(position, normal, wider);
         let [x, y, z] = key.place.to_array().map(|c| c as u32);
         let hash =
             x.wrapping_mul(0x9e37_79b1) ^ y.wrapping_mul(0x85eb_ca77) ^ z.wrapping_mul(0xc2b2_ae3d);
-        let list = (hash ^ hash >> 15).wrapping_add(key.side as u32) as usize % LISTS;
+        let list =
+            (hash ^ hash >> 15).wrapping_add(8 * key.level + key.side as u32) as usize % LISTS;
         let new = || {
             Box::new(Part {
                 key,
@@ -107,11 +116,11 @@ impl SkyGuide {
     }
 
     /// The part of a point of a surface with this normal.
-    fn key(&self, position: Vec3, normal: Vec3) -> Key {
+    fn key(&self, position: Vec3, normal: Vec3, wider: u32) -> Key {
         let parts = position * self.parts_per_metre;
         // The power of two below the distance.
         let rooms = (parts.abs().max_element() / (NEAR * PARTS)).clamp(1.0, 1e9);
-        let level = (rooms.to_bits() >> 23) - 127;
+        let level = (rooms.to_bits() >> 23) - 127 + wider;
         Key {
             place: (parts / (1_u32 << level) as f32).floor().as_ivec3(),
             level,
@@ -144,7 +153,7 @@ impl SkyGuide {
                 let number = index as u32 * RAYS + i;
                 let direction = cell.direction(numbers.sample_2d(number, 1));
                 // Every point gets rays to every part of the sphere.
-                let point = &points[(number.wrapping_mul(5) % points.len() as u32) as usize];
+                let point = &points[(number.wrapping_mul(13) % points.len() as u32) as usize];
                 let cos = direction.dot(point.shading_normal);
                 if cos > 0.0 && direction.dot(point.geometric_normal) > 0.0 {
                     rays.push(point.spawn_ray(direction));
@@ -157,7 +166,8 @@ impl SkyGuide {
         let (mut bright, mut open) = (vec![0.0; DirectionCell::all().count()], 0.0);
         for ((ray, hit), (cell, cos)) in rays.iter().zip(&hits).zip(owners) {
             if hit.is_none() {
-                let weight = f64::from(cos * DirectionCell::solid_angle(ray.direction)) / f64::from(RAYS);
+                let weight =
+                    f64::from(cos * DirectionCell::solid_angle(ray.direction)) / f64::from(RAYS);
                 let radiance = scene.sky.radiance(ray.direction).element_sum();
                 bright[cell] += weight * f64::from(radiance);
                 open += weight;
@@ -293,7 +303,9 @@ mod tests {
         let scene = room();
         let guide = SkyGuide::new(&scene);
         let floor = Vec3::new(0.05, -2.0, 0.05);
-        let view = guide.view(&scene, floor, Vec3::Y).expect("the sky is seen");
+        let view = guide
+            .view(&scene, floor, Vec3::Y, 0)
+            .expect("the sky is seen");
         // From all of its part, by few rays.
         let openness = view.openness;
         assert!((0.01..0.04).contains(&openness), "{openness}");
@@ -308,7 +320,7 @@ mod tests {
         assert!(through > 200, "{through}");
         // Outside, all of the sky is seen.
         let roof = guide
-            .view(&scene, Vec3::new(1.5, 2.0, 1.5), Vec3::Y)
+            .view(&scene, Vec3::new(1.5, 2.0, 1.5), Vec3::Y, 0)
             .expect("the sky");
         assert!(roof.openness > 0.8, "{}", roof.openness);
     }

@@ -12,6 +12,9 @@ use std::sync::Arc;
 /// A part of the scene that gets more than this part of a uniform sky needs no guide: directions by the cosine are as good.
 const OPEN: f32 = 0.4;
 
+/// How often the edge of a part is doubled in whose view what the part's own view misses is looked for.
+const WIDER: u32 = 2;
+
 /// Camera samples whose surfaces get less than this part of the sky, in the mean, are in a room.
 const ROOM: f32 = 0.15;
 
@@ -28,10 +31,12 @@ pub(super) struct SkySampler {
 pub(super) struct SkyTechniques<'a> {
     scene: &'a Scene,
     shading_normal: Vec3,
-    view: Option<&'a SkyView>,
-    /// The probabilities of the cosine and of the view; the rest is that of the sky's own brightness.
+    /// From the part, and from a wider one.
+    views: [Option<&'a SkyView>; 2],
+    /// The probabilities of the views, of the cosine and of the sky's own brightness.
+    by_views: [f32; 2],
     by_cosine: f32,
-    by_view: f32,
+    by_brightness: f32,
 }
 
 impl SkySampler {
@@ -51,7 +56,9 @@ impl SkySampler {
         points: impl Iterator<Item = &'s SurfacePoint>,
     ) -> SkySampler {
         let openness = points.map(|point| {
-            let view = self.guide.view(scene, point.position, point.shading_normal);
+            let view = self
+                .guide
+                .view(scene, point.position, point.shading_normal, 0);
             view.map_or(0.0, |view| view.openness)
         });
         let openness: Vec<f32> = openness.collect();
@@ -69,20 +76,31 @@ impl SkySampler {
         shading_normal: Vec3,
     ) -> SkyTechniques<'a> {
         let is_map = matches!(scene.sky, Sky::Map(_));
-        let view = self.guide.view(scene, position, shading_normal);
-        let view = view.filter(|view| is_map || view.openness < OPEN);
-        let (by_cosine, by_view) = match (view.is_some(), is_map) {
-            (true, true) => (0.25, 0.5),
-            (true, false) => (0.25, 0.75),
-            (false, true) => (0.5, 0.0),
-            (false, false) => (1.0, 0.0),
+        let view = |wider| {
+            let view = self.guide.view(scene, position, shading_normal, wider);
+            view.filter(|view| is_map || view.openness < OPEN)
+        };
+        let views = [view(0), view(WIDER)];
+        // What a part's own view misses is mostly known around it.
+        let shares = match views.map(|view| view.is_some()) {
+            [true, true] => [0.6, 0.2],
+            [true, false] => [0.75, 0.0],
+            [false, true] => [0.0, 0.75],
+            [false, false] => [0.0, 0.0],
+        };
+        let by_cosine = 1.0 - shares[0] - shares[1];
+        let by_brightness = match is_map {
+            true if by_cosine < 1.0 => 0.3,
+            true => 0.5,
+            false => 0.0,
         };
         SkyTechniques {
             scene,
             shading_normal,
-            view,
-            by_cosine,
-            by_view,
+            views,
+            by_views: shares.map(|share| share * (1.0 - by_brightness)),
+            by_cosine: by_cosine * (1.0 - by_brightness),
+            by_brightness,
         }
     }
 }
@@ -90,26 +108,31 @@ impl SkySampler {
 impl SkyTechniques<'_> {
     /// A direction and its pdf, over solid angle, by numbers in [0, 1).
     pub(super) fn sample(&self, choice: f32, numbers: [f32; 2]) -> (Vec3, f32) {
-        let direction = match self.view {
-            _ if choice < self.by_cosine => {
+        let [own, wide] = self.by_views;
+        let direction = match self.views {
+            [Some(view), _] if choice < own => view.directions.sample(numbers),
+            [_, Some(view)] if choice < own + wide => view.directions.sample(numbers),
+            _ if choice >= 1.0 - self.by_brightness => self.scene.sky.sample(numbers).0,
+            _ => {
                 let [u, v] = numbers;
                 to_world(self.shading_normal, cosine_hemisphere(u, v))
             }
-            Some(view) if choice < self.by_cosine + self.by_view => view.directions.sample(numbers),
-            _ => self.scene.sky.sample(numbers).0,
         };
         (direction, self.pdf(direction))
     }
 
     /// The pdf of a unit direction, over solid angle.
     pub(super) fn pdf(&self, direction: Vec3) -> f32 {
-        let by_brightness = 1.0 - self.by_cosine - self.by_view;
         let mut pdf = self.by_cosine * direction.dot(self.shading_normal).max(0.0) / PI;
-        if let Some(view) = self.view {
-            pdf += self.by_view * view.directions.pdf(direction);
+        for (view, share) in self.views.iter().zip(self.by_views) {
+            if let Some(view) = view
+                && share > 0.0
+            {
+                pdf += share * view.directions.pdf(direction);
+            }
         }
-        if by_brightness > 0.0 {
-            pdf += by_brightness * self.scene.sky.pdf(direction);
+        if self.by_brightness > 0.0 {
+            pdf += self.by_brightness * self.scene.sky.pdf(direction);
         }
         pdf
     }

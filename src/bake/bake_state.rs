@@ -70,17 +70,16 @@ const MIN_SECONDARY_RADIUS: f32 = 0.4;
 /// on large flat surfaces.
 const TOTAL_PRIMARY_PATHS: usize = 16_000_000;
 
-/// Bounds of paths per primary record, in two rounds.
+/// Bounds of paths per primary record, where there is little noise.
 const MIN_PATHS: usize = 160;
 const MAX_PATHS: usize = 480;
 
-/// Paths per secondary record, for each number of bounces left, in two rounds.
+/// Paths per secondary record, for each number of bounces left, where there is little noise.
 const SECONDARY_PATHS: u32 = 32;
 
-/// The relative noise, at refinement level 0, above which records get more paths: in rooms that are lit through windows
-/// few of them find the light.
-const PRIMARY_NOISE: f32 = 0.05;
-const SECONDARY_NOISE: f32 = 0.2;
+/// The relative noise of records, at refinement level 0, above which all get more paths.
+const PRIMARY_NOISE: f32 = 0.04;
+const SECONDARY_NOISE: f32 = 0.15;
 
 /// How many generations of secondary records are placed, each where the last one sees surfaces.
 const GENERATIONS: u32 = 8;
@@ -358,7 +357,7 @@ impl BakeState {
             let gather_pass = GatherPass {
                 final_gather,
                 bounces_left,
-                paths: SECONDARY_PATHS << self.refinement_level >> 1,
+                paths: SECONDARY_PATHS << self.refinement_level,
                 noise: SECONDARY_NOISE * noise_scale(self.refinement_level),
                 stream: RandomStream::Secondary,
                 seed: self.seed,
@@ -397,7 +396,7 @@ impl BakeState {
             let gather_pass = GatherPass {
                 final_gather,
                 bounces_left,
-                paths: paths << self.refinement_level >> 1,
+                paths: paths << self.refinement_level,
                 noise: PRIMARY_NOISE * noise_scale(self.refinement_level),
                 stream: RandomStream::Primary,
                 seed: self.seed,

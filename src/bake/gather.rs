@@ -11,8 +11,11 @@ use rayon::prelude::*;
 /// Points that are gathered for together.
 const BATCH: usize = 16;
 
-/// At most this many times the paths of a round leave a point; at least two times.
-const MAX_ROUNDS: u32 = 16;
+/// Points whose noise says how many paths all get.
+const PILOTS: usize = 1024;
+
+/// At most this many times the least number of paths leave a point.
+const MOST: f32 = 8.0;
 
 /// What samples are for. Samples of different purposes are independent.
 #[derive(Clone, Copy, Debug)]
@@ -41,9 +44,10 @@ pub(super) struct GatherPass<'a> {
     pub(super) final_gather: &'a FinalGather<'a>,
     /// How many bounces are left at the records, at least one.
     pub(super) bounces_left: u32,
-    /// Paths per record and round.
+    /// The least number of paths per record, even. There are more if the noise needs it: in rooms that are lit through
+    /// windows few paths find the light.
     pub(super) paths: u32,
-    /// Rounds go on until the standard error of a value, over the value, is at most this.
+    /// The standard deviation of a value, over the value, that is allowed, in the mean over the records.
     pub(super) noise: f32,
     pub(super) stream: RandomStream,
     pub(super) seed: u32,
@@ -58,103 +62,96 @@ impl GatherPass<'_> {
         secondary: &SecondaryIrradiance,
         on_point: &(dyn Fn() + Sync),
     ) -> Vec<Vec3> {
+        let paths = self.paths_for_noise(points, secondary);
         let of_batch = |points: &[SurfacePoint]| {
-            let mut query_state = QueryState::default();
-            let mut sums = vec![RoundSums::default(); points.len()];
-            let mut noisy: Vec<usize> = (0..points.len()).collect();
-            for round in 0..MAX_ROUNDS {
-                let gather_point = |&number: &usize| GatherPoint {
-                    point: points[number],
-                    sequence: sequence_of(
-                        &points[number],
-                        self.seed,
-                        self.stream,
-                        self.bounces_left,
-                    ),
-                    index: round,
-                };
-                let gather_points: Vec<GatherPoint> = noisy.iter().map(gather_point).collect();
-                let mean_radiance = self.final_gather.gather(
-                    &gather_points,
-                    GatherPaths {
-                        bounces_left: self.bounces_left,
-                        count: self.paths,
-                        // What a camera sees gets that by shadow rays.
-                        include_sky: matches!(self.stream, RandomStream::Secondary),
-                    },
-                    Some(secondary),
-                    &mut query_state,
-                );
-                for (&number, radiance) in noisy.iter().zip(mean_radiance) {
-                    sums[number].add(radiance);
-                }
-                noisy.retain(|&number| sums[number].relative_error() > self.noise);
-                if noisy.is_empty() {
-                    break;
-                }
-            }
+            let mean_radiance = self.gather(points, secondary, paths, 0);
             points.iter().for_each(|_| on_point());
-            sums.into_iter().map(|sums| sums.mean())
+            mean_radiance
         };
         points.par_chunks(BATCH).flat_map_iter(of_batch).collect()
     }
+
+    /// How many paths leave each of the points: as many as bring the noise down, by that of some points spread over all.
+    /// It is one number for all, as values whose own noise decided would be too low: those seem good that have missed what
+    /// is bright and rare.
+    fn paths_for_noise(&self, points: &[SurfacePoint], secondary: &SecondaryIrradiance) -> u32 {
+        let stride = points.len().div_ceil(PILOTS).max(1);
+        let pilots: Vec<SurfacePoint> = points.iter().step_by(stride).copied().collect();
+        let half = self.paths / 2;
+        let halves = |points: &[SurfacePoint]| {
+            let halves = [0, 1].map(|index| self.gather(points, secondary, half, index));
+            let pairs: Vec<[Vec3; 2]> = (halves[0].iter().zip(&halves[1]))
+                .map(|(a, b)| [*a, *b])
+                .collect();
+            pairs
+        };
+        let pairs: Vec<[Vec3; 2]> = pilots.par_chunks(BATCH).flat_map_iter(halves).collect();
+        let noise = mean_relative_variance(&pairs).sqrt();
+        let factor = (noise / self.noise).powi(2).clamp(1.0, MOST);
+        (self.paths as f32 * factor) as u32
+    }
+
+    /// The mean radiance of some of the paths of each point: `paths` from `index` times as many on.
+    fn gather(
+        &self,
+        points: &[SurfacePoint],
+        secondary: &SecondaryIrradiance,
+        paths: u32,
+        index: u32,
+    ) -> Vec<Vec3> {
+        let gather_point = |point: &SurfacePoint| GatherPoint {
+            point: *point,
+            sequence: sequence_of(point, self.seed, self.stream, self.bounces_left),
+            index,
+        };
+        let points: Vec<GatherPoint> = points.iter().map(gather_point).collect();
+        let gather_paths = GatherPaths {
+            bounces_left: self.bounces_left,
+            count: paths,
+            // What a camera sees gets that by shadow rays.
+            include_sky: matches!(self.stream, RandomStream::Secondary),
+        };
+        let mut query_state = QueryState::default();
+        self.final_gather
+            .gather(&points, gather_paths, Some(secondary), &mut query_state)
+    }
 }
 
-/// The sums of the values that rounds gave.
-#[derive(Clone, Default)]
-struct RoundSums {
-    rounds: f32,
-    sum: Vec3,
-    /// Of the squares of the sum over the channels.
-    squares: f32,
-}
-
-impl RoundSums {
-    fn add(&mut self, value: Vec3) {
-        self.rounds += 1.0;
-        self.sum += value;
-        self.squares += value.element_sum() * value.element_sum();
-    }
-
-    fn mean(&self) -> Vec3 {
-        self.sum / self.rounds
-    }
-
-    /// The standard error of the mean over the mean; infinite of a single value, 0 of black.
-    fn relative_error(&self) -> f32 {
-        if self.rounds < 2.0 {
-            return f32::INFINITY;
-        }
-        let mean = self.mean().element_sum();
-        let variance = (self.squares / self.rounds - mean * mean).max(0.0) / (self.rounds - 1.0);
-        if mean > 0.0 {
-            variance.sqrt() / mean
-        } else {
-            0.0
-        }
-    }
+/// The variance of the mean of two independent values over its square, in the mean over such pairs. Pairs of black are left
+/// out; 0 if there are no others.
+fn mean_relative_variance(pairs: &[[Vec3; 2]]) -> f32 {
+    let relative = |[a, b]: &[Vec3; 2]| {
+        let (a, b) = (a.element_sum(), b.element_sum());
+        (a + b > 0.0).then(|| ((a - b) / (a + b)).powi(2))
+    };
+    let relative: Vec<f32> = pairs.iter().filter_map(relative).collect();
+    relative.iter().sum::<f32>() / relative.len().max(1) as f32
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::Random;
 
+    /// Uniform values from 0 to 2 have a variance of 1/3, and their means of four a twelfth.
     #[test]
-    fn rounds_know_their_noise() {
-        let mut sums = RoundSums::default();
-        sums.add(Vec3::splat(1.0));
-        assert_eq!(sums.relative_error(), f32::INFINITY);
-        sums.add(Vec3::splat(3.0));
-        // Two values one off their mean of 2: the mean's deviation is 1.
-        assert_eq!(sums.mean(), Vec3::splat(2.0));
-        assert!((sums.relative_error() - 0.5).abs() < 1e-6);
-        for value in [1.0, 3.0] {
-            sums.add(Vec3::splat(value));
+    fn the_noise_of_values_is_known_from_halves() {
+        let mut random = Random::new(2);
+        let mut half = |count: u32| {
+            let mean = (0..count).map(|_| 2.0 * random.unit()).sum::<f32>() / count as f32;
+            Vec3::splat(mean)
+        };
+        for count in [16, 64] {
+            let pairs: Vec<[Vec3; 2]> = (0..20_000).map(|_| [half(count), half(count)]).collect();
+            let expected = 1.0 / (3.0 * 2.0 * count as f32);
+            let variance = mean_relative_variance(&pairs);
+            assert!(
+                (variance / expected - 1.0).abs() < 0.06,
+                "{variance} {expected}"
+            );
         }
-        assert!((sums.relative_error() - 0.5 / 3.0_f32.sqrt()).abs() < 1e-6);
-        let mut black = RoundSums::default();
-        black.add(Vec3::ZERO);
-        black.add(Vec3::ZERO);
-        assert_eq!(black.relative_error(), 0.0);
+        let black = [[Vec3::ZERO; 2], [Vec3::ONE, Vec3::ONE]];
+        assert_eq!(mean_relative_variance(&black), 0.0);
+        assert_eq!(mean_relative_variance(&[]), 0.0);
     }
 }

@@ -357,7 +357,7 @@ fn a_furnace_that_lights_itself() {
         let view = camera(DVec3::new(4.5, -2.5, 6.5), DVec3::new(9.0, -2.0, 6.0), 60.0);
         let rho: f64 = albedo * (1.0 - reflective) + reflective;
         for bounces in 0..4 {
-            let settings = settings(monte_carlo(bounces, &[64]), 8, 6);
+            let settings = settings(monte_carlo(bounces, &[scaled(16, 16, 64)]), 8, 6);
             let means: Vec<Vec<f64>> = runs(&scene, &view, &settings, 0..32)
                 .iter()
                 .map(|run| vec![run.iter().sum::<f64>() / run.len() as f64])

@@ -38,7 +38,8 @@ fn check_uniform_indirect_light(position: &str) -> Scene {
     let eye = DVec3::new(4.5, -2.5, 6.5);
     for target in [DVec3::new(9.0, -2.0, 6.0), DVec3::new(3.0, -3.0, 9.0)] {
         // The same paths with one bounce more differ by the light of that bounce.
-        let pixels = |bounces| center_estimates(&scene, [eye, target], bounces, 2048);
+        let pixels =
+            |bounces| center_estimates(&scene, [eye, target], bounces, scaled(1024, 1024, 2048));
         let pictures: Vec<Vec<Vec<f64>>> = (0..=8).map(pixels).collect();
         let mut seen = Vec::new();
         let mut expected = Vec::new();

@@ -151,8 +151,8 @@ impl<F: Features> PathTracer<'_, F> {
     }
 
     /// The incident radiance along the last rays of up to [`WAVEFRONT_SIZE`] paths, with textures filtered over the
-    /// footprints of these rays; over none if there are no `differentials`. `normal` gives the shading normal of the surface that a
-    /// path leaves.
+    /// footprints of these rays; over none if there are no `differentials`. `normal` gives the shading normal of the
+    /// surface that a path leaves.
     fn incident_radiance(
         &mut self,
         paths: &[PathState],

@@ -125,9 +125,7 @@ impl SkyTechniques<'_> {
     pub(super) fn pdf(&self, direction: Vec3) -> f32 {
         let mut pdf = self.by_cosine * direction.dot(self.shading_normal).max(0.0) / PI;
         for (view, share) in self.views.iter().zip(self.by_views) {
-            if let Some(view) = view
-                && share > 0.0
-            {
+            if let Some(view) = view {
                 pdf += share * view.directions.pdf(direction);
             }
         }

@@ -2,7 +2,7 @@
 
 use super::resolved_job::Job;
 use crate::input::{IgnoredSetting, SettingsError, ignored_settings};
-use crate::preflight::{FrameRuns, SceneWarning, check_scene, preflight};
+use crate::preflight::{FrameRuns, SceneWarning, check_scene, is_lit, preflight};
 
 impl Job {
     /// Warnings about the files of the scene, the settings, the scene and the camera path, each a line. `near` is the
@@ -47,6 +47,12 @@ impl Job {
         }));
         warnings.extend(of_path.map(|warning| warning.to_string()));
         warnings
+    }
+
+    /// Whether anything lights the frames.
+    pub fn is_lit(&self) -> bool {
+        let settings = self.settings();
+        settings.headlight > 0.0 || is_lit(&self.inputs().scene.scene, &settings.integrator)
     }
 
     /// Settings that make no difference. A preview ignores most of them by intention.

@@ -14,13 +14,8 @@ fn is_unlit(scene: &Scene) -> bool {
         && !scene.has_emitters()
 }
 
-pub(super) fn find(
-    scene: &Scene,
-    names: &SceneNames,
-    integrator: &IntegratorSettings,
-) -> Vec<SceneWarning> {
-    let is_dark = |light: usize| scene.lights[light].intensity == Vec3::ZERO;
-    let dark: Vec<usize> = (0..scene.lights.len()).filter(|&i| is_dark(i)).collect();
+/// What a scene without lights lacks in this integrator, if it does.
+pub(super) fn unlit(scene: &Scene, integrator: &IntegratorSettings) -> Option<SceneWarning> {
     let is_unlit = is_unlit(scene);
     let has_ambient = scene.ambient != Vec3::ZERO;
     // Ray tracing looks at the sky only straight ahead and in mirrors.
@@ -32,13 +27,23 @@ pub(super) fn find(
     };
     let needs_light = !gathers && scene.used_materials().into_iter().any(shades);
     let has_shapes = scene.triangle_count() + scene.sphere_count() > 0;
-    let unlit = match (has_ambient, !scene.sky.is_black()) {
+    match (has_ambient, !scene.sky.is_black()) {
         _ if !is_unlit || !has_shapes => None,
         (false, false) => Some(SceneWarning::Black),
         (false, true) if needs_light => Some(SceneWarning::BlackSurfaces),
         (true, _) if needs_light => Some(SceneWarning::AmbientOnly),
         _ => None,
-    };
+    }
+}
+
+pub(super) fn find(
+    scene: &Scene,
+    names: &SceneNames,
+    integrator: &IntegratorSettings,
+) -> Vec<SceneWarning> {
+    let is_dark = |light: usize| scene.lights[light].intensity == Vec3::ZERO;
+    let dark: Vec<usize> = (0..scene.lights.len()).filter(|&i| is_dark(i)).collect();
+    let unlit = unlit(scene, integrator);
     let dark = (!dark.is_empty()).then(|| SceneWarning::DarkLights {
         lights: dark.into_iter().map(|light| names.light(light)).collect(),
     });

@@ -74,6 +74,16 @@ fn a_headlight_shows_a_scene_without_light() {
     let checked = flythrough(&["check", &scene, &path]);
     assert!(stderr(&checked).contains("or look at the scene with `--light camera`"));
     assert!(stderr(&flythrough(&["check", &scene, &path, "--light", "camera"])).is_empty());
+    // Of what nothing lit the error is not 0.
+    let dark = folder.path().join("dark");
+    let dark = dark.to_str().unwrap();
+    let rendered = flythrough(&["render", &scene, &path, "--out", dark, "--size", "16x9"]);
+    let printed = String::from_utf8(rendered.stdout).unwrap();
+    let unknown = "error unknown: nothing lights the surfaces";
+    assert!(
+        printed.contains(unknown) && !printed.contains("relMSE"),
+        "{printed}"
+    );
     for mode in ["raytracing", "supersampling", "montecarlo"] {
         let out = folder.path().join(mode);
         let out = out.to_str().unwrap();
@@ -83,6 +93,8 @@ fn a_headlight_shows_a_scene_without_light() {
         ];
         let rendered = flythrough(&all);
         assert_eq!(rendered.status.code(), Some(0), "{}", stderr(&rendered));
+        let printed = String::from_utf8_lossy(&rendered.stdout);
+        assert!(printed.contains("error (relMSE)"), "{printed}");
         let picture = image::open(format!("{out}/frame_00000.png"))
             .unwrap()
             .into_rgb8();

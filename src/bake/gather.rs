@@ -44,7 +44,7 @@ pub(super) struct GatherPass<'a> {
     pub(super) final_gather: &'a FinalGather<'a>,
     /// How many bounces are left at the records, at least one.
     pub(super) bounces_left: u32,
-    /// The least number of paths per record, even. There are more if the noise needs it: in rooms that are lit through
+    /// The least number of paths per record, at least 2. There are more if the noise needs it: in rooms that are lit through
     /// windows few paths find the light.
     pub(super) paths: u32,
     /// The standard deviation of a value, over the value, that is allowed, in the mean over the records.
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
     use crate::sampling::Random;
 
-    /// Uniform values from 0 to 2 have a variance of 1/3, and their means of four a twelfth.
+    /// Uniform values from 0 to 2 have a variance of 1/3, and the mean of two halves with n values each one of 1/(6 n).
     #[test]
     fn the_noise_of_values_is_known_from_halves() {
         let mut random = Random::new(2);

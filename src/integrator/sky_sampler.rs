@@ -76,12 +76,15 @@ impl SkySampler {
         shading_normal: Vec3,
     ) -> SkyTechniques<'a> {
         let is_map = matches!(scene.sky, Sky::Map(_));
-        let view = |wider| {
-            let view = self.guide.view(scene, position, shading_normal, wider);
-            view.filter(|view| is_map || view.openness < OPEN)
+        let view = |wider| self.guide.view(scene, position, shading_normal, wider);
+        let is_guide = |view: &&SkyView| is_map || view.openness < OPEN;
+        let own = view(0);
+        // What a part's own view misses is mostly known around it; an open part needs neither.
+        let views = if own.as_ref().is_none_or(is_guide) {
+            [own, view(WIDER).filter(is_guide)]
+        } else {
+            [None; 2]
         };
-        let views = [view(0), view(WIDER)];
-        // What a part's own view misses is mostly known around it.
         let shares = match views.map(|view| view.is_some()) {
             [true, true] => [0.6, 0.2],
             [true, false] => [0.75, 0.0],

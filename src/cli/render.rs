@@ -196,7 +196,7 @@ pub(super) fn run(arguments: &RenderArguments, interrupt: Interrupt) -> Result<S
     let is_listed = is_anothers || list(&folder, &job, !missing.is_empty());
     if !arguments.quiet {
         let there = frames.len() - missing.len();
-        summarise(&outcome, elapsed, there as u32, &folder, job.is_lit());
+        summarise(&outcome, elapsed, there as u32, &folder);
         let threads = job.inputs().pool.current_num_threads();
         let accuracy = SavedEstimate::accuracy(&folder, &missing, &outcome, threads, elapsed);
         for line in accuracy.iter().flat_map(accuracy_lines) {
@@ -371,7 +371,7 @@ fn show(folder: &FrameFolder, frames: &[u32], quiet: bool) -> bool {
     drawn.is_ok()
 }
 
-fn summarise(outcome: &Outcome, elapsed: Duration, there: u32, folder: &FrameFolder, is_lit: bool) {
+fn summarise(outcome: &Outcome, elapsed: Duration, there: u32, folder: &FrameFolder) {
     say(format_args!(
         "{} frames rendered in {} ({}), {} were there, {} failed{}: {}",
         outcome.stored,
@@ -382,7 +382,7 @@ fn summarise(outcome: &Outcome, elapsed: Duration, there: u32, folder: &FrameFol
         if outcome.stopped { ", interrupted" } else { "" },
         folder.path().display()
     ));
-    if !is_lit {
+    if outcome.errors.iter().any(|(_, error)| !error.is_known()) {
         return say(format_args!("error unknown: nothing lights the surfaces"));
     }
     let errors = || outcome.errors.iter().copied();

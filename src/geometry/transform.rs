@@ -33,6 +33,15 @@ impl Transform {
         (self.linear.inverse().transpose() * normal).normalize_or_zero()
     }
 
+    /// A triangle in the order that keeps its front where the object has it: a mirror reverses it.
+    pub fn wound<T: Copy>(&self, [a, b, c]: [T; 3]) -> [T; 3] {
+        if self.linear.determinant() < 0.0 {
+            [a, c, b]
+        } else {
+            [a, b, c]
+        }
+    }
+
     /// The rotation alone, object to world.
     pub fn rotation(&self) -> DMat3 {
         self.rotation

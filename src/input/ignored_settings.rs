@@ -3,6 +3,7 @@
 use super::settings_file::Settings;
 use crate::integrator::IntegratorSettings;
 use crate::render::PixelSampling;
+use crate::scene::Scene;
 
 /// A setting that makes no difference to the frames.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -14,14 +15,15 @@ pub struct IgnoredSetting {
 }
 
 impl Settings {
-    /// The settings that frames of a sequence of `frames` do not use, though they are given here.
-    pub fn ignored(&self, frames: u32) -> Vec<IgnoredSetting> {
+    /// The settings that frames of a scene, in a sequence of `frames`, do not use, though they are given here.
+    pub fn ignored(&self, scene: &Scene, frames: u32) -> Vec<IgnoredSetting> {
         let mode = self.mode.unwrap_or_default();
         let resolved = self.resolve(frames);
-        let is_random = !matches!(
+        let has_fixed_samples = matches!(
             resolved.sampling,
             PixelSampling::Center | PixelSampling::Corners
         );
+        let is_random = !has_fixed_samples || scene.has_soft_shadows();
         let mut ignored = Vec::new();
         let mut ignore = |key, is_given: bool, reason: String| {
             if is_given {
@@ -34,7 +36,8 @@ impl Settings {
                     format!("{mode} traces no paths of indirect light; choose a montecarlo mode");
                 ignore("splits", self.splits.is_some(), no_paths.clone());
                 ignore("gi", self.gi.is_some(), no_paths);
-                let no_chance = format!("{mode} uses random numbers only with `samples`");
+                let no_chance =
+                    format!("{mode} uses random numbers only with `samples` or soft shadows");
                 ignore("seed", self.seed.is_some() && !is_random, no_chance.clone());
                 ignore(
                     "lock_seed",
@@ -52,6 +55,15 @@ impl Settings {
             }
             IntegratorSettings::PathTraced { .. } => {}
         }
+        let gathers = resolved.integrator.bounces() > 0
+            && !matches!(resolved.integrator, IntegratorSettings::Whitted { .. });
+        let has_shadow_rays = scene.has_soft_shadows() || gathers && !scene.sky.is_black();
+        let reason = "no light has a size: nothing emits, and no light has a radius or an angle";
+        ignore(
+            "shadow_rays",
+            self.shadow_rays.is_some() && !has_shadow_rays,
+            reason.to_owned(),
+        );
         ignored
     }
 }
@@ -61,17 +73,21 @@ impl Settings {
 ///
 /// A setting counts only where its own source, with those weaker than it, ignores it: a file's settings are made for
 /// the file's mode, and another one that is chosen for once does not make them wrong.
-pub fn ignored_settings(sources: &[Settings], frames: u32) -> Vec<(usize, IgnoredSetting)> {
+pub fn ignored_settings(
+    sources: &[Settings],
+    scene: &Scene,
+    frames: u32,
+) -> Vec<(usize, IgnoredSetting)> {
     let from = |first: usize| {
         let sources = sources[first..].iter().cloned();
         sources.fold(Settings::default(), Settings::or)
     };
-    let of_all = from(0).ignored(frames);
+    let of_all = from(0).ignored(scene, frames);
     let of_all = |key: &str| of_all.iter().any(|ignored| ignored.key == key);
     let mut found: Vec<(usize, IgnoredSetting)> = Vec::new();
     for (number, source) in sources.iter().enumerate() {
         let own = source.gives();
-        for ignored in from(number).ignored(frames) {
+        for ignored in from(number).ignored(scene, frames) {
             let is_new = found.iter().all(|(_, earlier)| earlier.key != ignored.key);
             if own.contains(&ignored.key) && of_all(ignored.key) && is_new {
                 found.push((number, ignored));
@@ -89,6 +105,7 @@ impl Settings {
             ("gi", self.gi.is_some()),
             ("seed", self.seed.is_some()),
             ("lock_seed", self.lock_seed == Some(true)),
+            ("shadow_rays", self.shadow_rays.is_some()),
         ];
         let given = given.into_iter().filter(|(_, is_given)| *is_given);
         given.map(|(key, _)| key).collect()
@@ -101,6 +118,14 @@ mod tests {
     use super::super::technique::GlobalIllumination::{Cached, PathTraced};
     use super::super::technique::Mode::{self, Montecarlo, Raytracing, Supersampling};
     use super::*;
+    use crate::light::{Sky, Sun};
+    use crate::scene::SceneBuilder;
+    use glam::Vec3;
+
+    /// Without lights.
+    fn dark() -> Scene {
+        SceneBuilder::default().build().0
+    }
 
     /// All of which may be ignored.
     fn all(mode: Option<Mode>) -> Settings {
@@ -116,12 +141,13 @@ mod tests {
         }
     }
 
+    fn keys_in(scene: &Scene, settings: &Settings) -> Vec<&'static str> {
+        let ignored = settings.ignored(scene, 9);
+        ignored.iter().map(|ignored| ignored.key).collect()
+    }
+
     fn keys(settings: &Settings) -> Vec<&'static str> {
-        settings
-            .ignored(9)
-            .iter()
-            .map(|ignored| ignored.key)
-            .collect()
+        keys_in(&dark(), settings)
     }
 
     #[test]
@@ -152,10 +178,41 @@ mod tests {
         assert_eq!(keys(&Settings::default()), [""; 0]);
     }
 
+    /// Soft shadows are random in every mode; where light is gathered, shadow rays look for the sky, too.
+    #[test]
+    fn shadow_rays_are_for_lights_with_a_size() {
+        let mut sunny = SceneBuilder::default();
+        sunny.suns.push(Sun {
+            to_sun: Vec3::Y,
+            irradiance: Vec3::ONE,
+            one_minus_cos: 0.01,
+        });
+        let sunny = sunny.build().0;
+        let mut open = dark();
+        open.sky = Sky::Uniform(Vec3::ONE);
+        let settings = |mode| Settings {
+            mode: Some(mode),
+            samples: Some(Samples::Center),
+            seed: Some(1),
+            shadow_rays: Some(4),
+            ..Settings::default()
+        };
+        for (scene, mode, ignored) in [
+            (&dark(), Raytracing, &["seed", "shadow_rays"][..]),
+            (&open, Raytracing, &["seed", "shadow_rays"]),
+            (&sunny, Raytracing, &[]),
+            (&dark(), Montecarlo, &["shadow_rays"]),
+            (&open, Montecarlo, &[]),
+            (&sunny, Montecarlo, &[]),
+        ] {
+            assert_eq!(keys_in(scene, &settings(mode)), ignored, "{mode}");
+        }
+    }
+
     #[test]
     fn settings_count_where_they_are_given() {
         let found = |sources: &[Settings]| -> Vec<(usize, &'static str)> {
-            let ignored = ignored_settings(sources, 9).into_iter();
+            let ignored = ignored_settings(sources, &dark(), 9).into_iter();
             ignored
                 .map(|(source, ignored)| (source, ignored.key))
                 .collect()

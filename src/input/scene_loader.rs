@@ -414,7 +414,7 @@ impl Loader<'_> {
                     let material = self.material(&format!("{key}.vertex_materials[{i}]"), name)?;
                     materials[i] = self.with_emission(key, material, triangle.emission)?;
                 }
-                MeshMaterial::PerVertex(materials)
+                MeshMaterial::PerVertex(transform.wound(materials))
             }
             _ => {
                 let message = "give either `material` or `vertex_materials: [a, b, c]`";
@@ -427,7 +427,7 @@ impl Loader<'_> {
             positions,
             normals: Vec::new(),
             uvs,
-            triangles: vec![[0, 1, 2]],
+            triangles: vec![transform.wound([0, 1, 2])],
             material,
         });
         Ok(())
@@ -487,7 +487,7 @@ impl Loader<'_> {
                     .map(|&n| transform.normal(n).as_vec3())
                     .collect(),
                 uvs: part.uvs.clone(),
-                triangles: part.triangles.clone(),
+                triangles: part.triangles.iter().map(|&t| transform.wound(t)).collect(),
                 material: MeshMaterial::Uniform(material),
             });
         }

@@ -2,7 +2,7 @@
 
 use super::resolved_job::Job;
 use crate::input::{IgnoredSetting, SettingsError, ignored_settings};
-use crate::preflight::{FrameRuns, SceneWarning, check_scene, is_lit, preflight};
+use crate::preflight::{FrameRuns, SceneWarning, check_scene, preflight};
 
 impl Job {
     /// Warnings about the files of the scene, the settings, the scene and the camera path, each a line. `near` is the
@@ -49,12 +49,6 @@ impl Job {
         warnings
     }
 
-    /// Whether anything lights the frames.
-    pub fn is_lit(&self) -> bool {
-        let settings = self.settings();
-        settings.headlight > 0.0 || is_lit(&self.inputs().scene.scene, &settings.integrator)
-    }
-
     /// Settings that make no difference. A preview ignores most of them by intention.
     fn ignored_settings(&self) -> Vec<String> {
         let (spec, inputs) = (self.spec(), self.inputs());
@@ -82,7 +76,7 @@ impl Job {
                 file.display()
             )
         };
-        let ignored = ignored_settings(&sources, self.frame_count());
+        let ignored = ignored_settings(&sources, &inputs.scene.scene, self.frame_count());
         ignored.into_iter().map(line).collect()
     }
 }

@@ -1,38 +1,17 @@
 //! Lights without intensity, and scenes without light.
 
 use super::SceneWarning;
-use crate::integrator::IntegratorSettings;
-use crate::light::PointLight;
+use crate::integrator::{IntegratorSettings, Lighting};
 use crate::scene::{Scene, SceneNames};
 use glam::Vec3;
 
-/// Whether there are no lights that shine, but for ambient light and the sky.
-fn is_unlit(scene: &Scene) -> bool {
-    let is_dark = |light: &PointLight| light.intensity == Vec3::ZERO;
-    scene.lights.iter().all(is_dark)
-        && scene.suns.iter().all(|sun| sun.irradiance == Vec3::ZERO)
-        && !scene.has_emitters()
-}
-
 /// What a scene without lights lacks in this integrator, if it does.
-pub(super) fn unlit(scene: &Scene, integrator: &IntegratorSettings) -> Option<SceneWarning> {
-    let is_unlit = is_unlit(scene);
-    let has_ambient = scene.ambient != Vec3::ZERO;
-    // Ray tracing looks at the sky only straight ahead and in mirrors.
-    let gathers =
-        !matches!(integrator, IntegratorSettings::Whitted { .. }) && integrator.bounces() > 0;
-    let shades = |id: usize| {
-        let material = &scene.materials()[id];
-        (Vec3::ONE - material.reflective) * (material.diffuse + material.specular) != Vec3::ZERO
-    };
-    let needs_light = !gathers && scene.used_materials().into_iter().any(shades);
-    let has_shapes = scene.triangle_count() + scene.sphere_count() > 0;
-    match (has_ambient, !scene.sky.is_black()) {
-        _ if !is_unlit || !has_shapes => None,
-        (false, false) => Some(SceneWarning::Black),
-        (false, true) if needs_light => Some(SceneWarning::BlackSurfaces),
-        (true, _) if needs_light => Some(SceneWarning::AmbientOnly),
-        _ => None,
+fn unlit(scene: &Scene, integrator: &IntegratorSettings) -> Option<SceneWarning> {
+    match Lighting::of(scene, integrator) {
+        Lighting::Shaded => None,
+        Lighting::Flat => Some(SceneWarning::AmbientOnly),
+        Lighting::Nothing if scene.sky.is_black() => Some(SceneWarning::Black),
+        Lighting::Nothing => Some(SceneWarning::BlackSurfaces),
     }
 }
 

@@ -57,14 +57,6 @@ pub fn preflight(
     warnings
 }
 
-/// Whether anything lights the surfaces of a scene: lights, ambient light or, in this integrator, the sky.
-pub fn is_lit(scene: &Scene, integrator: &IntegratorSettings) -> bool {
-    !matches!(
-        lights::unlit(scene, integrator),
-        Some(SceneWarning::Black | SceneWarning::BlackSurfaces)
-    )
-}
-
 /// Warnings about a scene that is rendered along a path: lights, materials, surfaces.
 ///
 /// Works on the threads of the current pool; the result does not depend on them.

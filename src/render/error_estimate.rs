@@ -69,6 +69,21 @@ impl FrameErrorEstimate {
         blurred: 0.0,
     };
 
+    /// The error of a picture that no samples tell of.
+    pub(super) const UNKNOWN: FrameErrorEstimate = FrameErrorEstimate {
+        whole: ErrorEstimate {
+            rel_mse: f64::INFINITY,
+            standard_error: f64::INFINITY,
+        },
+        worst_block: f64::INFINITY,
+        blurred: f64::INFINITY,
+    };
+
+    /// Whether it is an estimate, and not the infinite error of surfaces that nothing lights.
+    pub fn is_known(&self) -> bool {
+        self.whole.rel_mse.is_finite()
+    }
+
     /// With the error of the irradiance cache.
     pub(super) fn plus_cache(self, cache: ErrorEstimate) -> FrameErrorEstimate {
         FrameErrorEstimate {

@@ -150,13 +150,17 @@ impl Renderer<'_> {
             expected_errors,
             estimates,
         } = pictured;
-        let error = estimates.mean();
+        let error = match (self.is_lit(), cache_error) {
+            (false, _) => FrameErrorEstimate::UNKNOWN,
+            (true, None) => estimates.mean(),
+            (true, Some(cache)) => estimates.mean().plus_cache(cache),
+        };
         Some(RenderedFrame {
             film: picture.film,
             half_difference: picture.half_difference,
             expected_errors,
             display_white: self.settings.display_white,
-            error: cache_error.map_or(error, |cache| error.plus_cache(cache)),
+            error,
             rays: samples.rays,
             non_finite_samples: samples.non_finite,
         })

@@ -1,7 +1,7 @@
 //! What frames are rendered from: scene, settings, integrator and the errors of the irradiance cache.
 
 use super::{ErrorEstimate, PixelSampling, RenderSettings};
-use crate::integrator::{Integrator, IntegratorError, IntegratorSettings};
+use crate::integrator::{Integrator, IntegratorError, IntegratorSettings, Lighting};
 use crate::irradiance_cache::IrradianceCache;
 use crate::scene::Scene;
 
@@ -60,6 +60,12 @@ impl<'a> Renderer<'a> {
     /// Whether its frames have Monte Carlo noise: see [`RenderSettings::is_noisy`].
     pub(super) fn is_noisy(&self) -> bool {
         self.settings.is_noisy(self.scene())
+    }
+
+    /// Whether anything lights the surfaces: the error of frames is unknown if not.
+    pub(super) fn is_lit(&self) -> bool {
+        self.settings.headlight > 0.0
+            || Lighting::of(self.scene(), &self.settings.integrator) != Lighting::Nothing
     }
 
     /// The change leaves the integrator as it is.

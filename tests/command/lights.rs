@@ -84,6 +84,12 @@ fn a_headlight_shows_a_scene_without_light() {
         printed.contains(unknown) && !printed.contains("relMSE"),
         "{printed}"
     );
+    let table = std::fs::read_to_string(format!("{dark}/errors.csv")).unwrap();
+    let errors = table.lines().nth(1).unwrap();
+    assert_eq!(errors, "0,inf,0e0,inf,inf,inf");
+    let again = flythrough(&["render", &scene, &path, "--out", dark, "--size", "16x9"]);
+    let printed = String::from_utf8(again.stdout).unwrap();
+    assert!(printed.starts_with("0 frames rendered"), "{printed}");
     for mode in ["raytracing", "supersampling", "montecarlo"] {
         let out = folder.path().join(mode);
         let out = out.to_str().unwrap();

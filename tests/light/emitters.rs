@@ -2,6 +2,7 @@
 
 use crate::support::statistics::*;
 use crate::support::*;
+use flythrough::input::{InputFiles, load_scene};
 use flythrough::integrator::IntegratorSettings;
 use flythrough::render::RenderSettings;
 use flythrough::scene::Scene;
@@ -415,4 +416,49 @@ fn textured_emitters_light_by_their_texture() {
         ..Shining::on_floor("", "", expected)
     };
     shining.check(expected, 2e-2, "a quarter");
+}
+
+/// A mirrored object emits from the mirror image of its front: one whose front is up in its own space does so still.
+#[test]
+fn mirrored_surfaces_emit_from_their_front() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(
+        folder.path().join("quad.obj"),
+        "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n",
+    )
+    .unwrap();
+    let triangle = "triangle(vertices: [(-1, 0, 1), (1, 0, 1), (0, 0, -1)]";
+    let varied = "vertex_materials: [\"lamp\", \"lamp\", \"black\"]";
+    for object in [
+        format!("{triangle}, material: \"lamp\""),
+        format!("{triangle}, {varied}"),
+        "model(file: \"quad.obj\", material: \"lamp\"".to_owned(),
+    ] {
+        // The edge whose vertices emit in all of them is at this z.
+        for (scale, edge, up) in [
+            ("(1, 1, 1)", 1.0, true),
+            ("(-1, 1, 1)", 1.0, true),
+            ("(1, -1, 1)", 1.0, false),
+            ("(1, 1, -2)", -2.0, true),
+            ("(-1, -1, 1)", 1.0, false),
+            ("(-1, -1, -1)", -1.0, false),
+        ] {
+            let file = folder.path().join("scene.ron");
+            let text = format!(
+                "Scene(
+                    materials: {{\"lamp\": (emission: (1, 2, 4)), \"black\": ()}},
+                    objects: [{object}, scale: {scale})],
+                )"
+            );
+            std::fs::write(&file, text).unwrap();
+            let scene = load_scene(&file, &mut InputFiles::default()).unwrap().scene;
+            let target = DVec3::new(0.3, 0.0, 0.999 * edge);
+            for (eye, is_above) in [(2.0, true), (-2.0, false)] {
+                let eye = DVec3::new(0.1, eye, 0.0);
+                let seen = center_radiance(&scene, ray_tracing(), eye, target);
+                let expected = if up == is_above { 1.0 } else { 0.0 };
+                assert_close(seen, expected * Vec3::new(1.0, 2.0, 4.0), 0.01);
+            }
+        }
+    }
 }

@@ -39,7 +39,7 @@ fn check_uniform_indirect_light(position: &str) -> Scene {
     for target in [DVec3::new(9.0, -2.0, 6.0), DVec3::new(3.0, -3.0, 9.0)] {
         // The same paths with one bounce more differ by the light of that bounce.
         let pixels =
-            |bounces| center_estimates(&scene, [eye, target], bounces, scaled(1024, 1024, 2048));
+            |bounces| center_estimates(&scene, [eye, target], bounces, scaled(512, 512, 2048));
         let pictures: Vec<Vec<Vec<f64>>> = (0..=8).map(pixels).collect();
         let mut seen = Vec::new();
         let mut expected = Vec::new();

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 /// Half of the kills are while it starts, half while it renders.
 #[test]
 fn killed_at_any_moment() {
-    let kills = scaled(10, 25, 200);
+    let kills = scaled(10, 16, 200);
     let batch = Batch::new(400);
     let more = [
         "--size",

@@ -24,6 +24,29 @@ static GALLERY: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
     (shipped_scene("gallery.ron"), camera)
 });
 
+/// Sun, sky and emitters, inside and out.
+static SUNROOM: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
+    let camera = shipped_path("sunroom.ron").camera(100);
+    (shipped_scene("sunroom.ron"), camera)
+});
+
+/// The same room, lit by a square below its ceiling alone.
+static LAMP: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
+    let room = std::fs::read_to_string(root().join("scenes/test3.ron")).unwrap();
+    let (head, rest) = room.split_once("    lights: [").unwrap();
+    let (_, rest) = rest.split_once("    ],\n").unwrap();
+    let head = head.replace(
+        "    materials: {",
+        "    materials: {\"lamp\": (diffuse: (0, 0, 0), emission: (18, 15, 11)),",
+    );
+    let square = "
+        triangle(vertices: [(-0.25, 0.995, -0.25), (0.25, 0.995, -0.25), (0.25, 0.995, 0.25)], material: \"lamp\"),
+        triangle(vertices: [(-0.25, 0.995, -0.25), (0.25, 0.995, 0.25), (-0.25, 0.995, 0.25)], material: \"lamp\"),";
+    let rest = rest.replace("    objects: [", &format!("    objects: [{square}"));
+    let room = format!("{head}{rest}");
+    (scene(&room), shipped_path("test3.ron").camera(20))
+});
+
 fn frame(settings: &RenderSettings, seed: u32) -> RenderedFrame {
     frame_of(&ROOM, settings, seed)
 }
@@ -75,10 +98,12 @@ fn intervals_hold_the_true_error() {
     let noisy = || monte_carlo(4, &[scaled(4, 4, 16)]);
     let cases = [
         (&ROOM, ray_tracing(), Adaptive(0.003)),
-        (&GALLERY, ray_tracing(), Adaptive(0.01)),
-        (&ROOM, noisy(), Center),
+        (&LAMP, ray_tracing(), Adaptive(0.01)),
+        (&LAMP, ray_tracing(), Center),
         (&ROOM, ray_tracing(), Center),
         (&ROOM, ray_tracing(), Spread(1)),
+        (&GALLERY, ray_tracing(), Adaptive(0.01)),
+        (&ROOM, noisy(), Center),
         (&GALLERY, ray_tracing(), Spread(4)),
         (&ROOM, ray_tracing(), Spread(4)),
         (&ROOM, ray_tracing(), Spread(16)),
@@ -86,15 +111,18 @@ fn intervals_hold_the_true_error() {
         (&ROOM, noisy(), Corners),
         (&ROOM, noisy(), Spread(4)),
         (&ROOM, noisy(), Adaptive(0.01)),
+        (&LAMP, noisy(), Spread(4)),
+        (&LAMP, noisy(), Adaptive(0.03)),
+        (&SUNROOM, noisy(), Spread(4)),
     ];
-    for (view, integrator, sampling) in &cases[..scaled(2, 6, cases.len())] {
+    for (view, integrator, sampling) in &cases[..scaled(2, 5, cases.len())] {
         let settings = RenderSettings {
             display_white: 0.35,
             sampling: *sampling,
             ..settings(integrator.clone(), SIZE[0], SIZE[1])
         };
         let reference = RenderSettings {
-            sampling: Spread(scaled(1024, 1024, 4096)),
+            sampling: Spread(1024),
             ..settings.clone()
         };
         let reference = frame_of(view, &reference, 1_000_000);
@@ -204,7 +232,7 @@ fn frames_of_a_target_error_reach_it_without_bias() {
         }
         let adaptive: Vec<Vec<f64>> = rendered.iter().map(|r| channels(r.film.pixels())).collect();
         let reference = RenderSettings {
-            sampling: PixelSampling::Spread(256),
+            sampling: PixelSampling::Spread(scaled(64, 64, 256)),
             ..plain
         };
         let reference = runs(&ROOM.0, &ROOM.1, &reference, 1_000_000..1_000_064);

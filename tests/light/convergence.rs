@@ -16,7 +16,7 @@ const SIZE: [u32; 2] = [16, 12];
 
 /// Paths of each of the runs whose mean is the reference.
 fn reference_paths() -> u32 {
-    scaled(256, 256, 2048)
+    scaled(512, 512, 2048)
 }
 
 /// The seeds of the runs whose errors are measured.
@@ -104,7 +104,7 @@ fn sobol_points_converge_faster_over_many_bounces() {
         reference,
     } = &*ROOM;
     let reference = means(reference);
-    let last: u32 = scaled(7, 7, 8);
+    let last = 8;
     let samples = runs(scene, camera, &centers(4, &[1]), 0..16 << last);
     let independent = |log: u32| {
         let runs = samples.chunks_exact(1 << last).map(|run| &run[..1 << log]);

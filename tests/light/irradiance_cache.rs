@@ -106,7 +106,7 @@ fn the_estimated_error_is_right_and_below_the_target() {
         };
         bake(&scene, &path, "path", &settings, None, &|_, _| ())
     };
-    let paths = scaled(512, 512, 2048);
+    let paths = scaled(1024, 1024, 2048);
     let references = [1, 4, 7].map(|n| (n, path_traced(&scene, &path, paths, n)));
     let (usual, finer) = (baked(None), baked(Some(2e-4)));
     assert!(usual.reaches_target && finer.reaches_target);

@@ -42,7 +42,7 @@ fn compare(
     bounces: u32,
     reference: &[Estimate],
 ) -> Result<(), String> {
-    let paths = scaled(32, 32, 128);
+    let paths = scaled(64, 64, 128);
     let settings = RenderSettings {
         // Few might all miss a lamp of which a surface sees little; its error could not be estimated.
         shadow_rays: 64,

@@ -15,7 +15,7 @@ fn center_estimates(
     splits: u32,
 ) -> Vec<Vec<f64>> {
     let settings = settings(monte_carlo(bounces, &[splits]), 4, 4);
-    let pixels = render(scene, &camera(eye, target, 1e-6), &settings);
+    let pixels = pixels(&renderer(scene, &settings), &camera(eye, target, 1e-6));
     pixels.iter().map(|pixel| channels(&[*pixel])).collect()
 }
 

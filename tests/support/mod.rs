@@ -102,9 +102,23 @@ pub(crate) fn renderer<'a>(scene: &'a Scene, settings: &RenderSettings) -> Rende
 
 /// The pixels of one frame.
 pub(crate) fn render(scene: &Scene, camera: &Camera, settings: &RenderSettings) -> Vec<Vec3> {
-    let rendered = renderer(scene, settings).render_frame(camera, 0);
+    render_frame(&renderer(scene, settings), camera)
+}
+
+/// The pixels of one frame.
+pub(crate) fn render_frame(renderer: &Renderer, camera: &Camera) -> Vec<Vec3> {
+    let rendered = renderer.render_frame(camera, 0);
     assert_eq!(rendered.non_finite_samples, 0);
     rendered.film.pixels().to_vec()
+}
+
+/// The same without an estimate of their error, which takes longer than a small frame.
+pub(crate) fn pixels(renderer: &Renderer, camera: &Camera) -> Vec<Vec3> {
+    assert_eq!(renderer.settings().target_error, None);
+    let (width, height) = (renderer.settings().width, renderer.settings().height);
+    let pixels = (0..width * height).map(|index| (index % width, index / width));
+    let halves = renderer.render_pixels(camera, 0, &pixels.collect::<Vec<_>>());
+    halves.iter().map(|[a, b]| 0.5 * (a + b)).collect()
 }
 
 /// The radiance that a camera sees in the middle of its image.

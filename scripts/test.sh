@@ -82,7 +82,7 @@ for frame in "$out"/of_checked/*.png; do
     cmp "$frame" "$out/of_flythrough/${frame##*/}"
 done
 step "Both videos, small"
-scripts/render_videos.sh "$out" --size 64x36
+scripts/render_videos.sh "$out" --size 96x54 --target-error 0.004
 for video in translate_rotate zoom; do
     ffprobe -v error -show_entries format=duration -of "csv=p=0:s=,:nk=1" "$out/$video.mp4" \
         | sed "s/^/$video.mp4 lasts, in seconds: /"

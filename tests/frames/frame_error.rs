@@ -30,7 +30,7 @@ static SUNROOM: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
     (shipped_scene("sunroom.ron"), camera)
 });
 
-/// The same room, lit by a square below its ceiling alone.
+/// The room of test3, lit by a square below its ceiling alone.
 static LAMP: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
     let room = std::fs::read_to_string(root().join("scenes/test3.ron")).unwrap();
     let (head, rest) = room.split_once("    lights: [").unwrap();

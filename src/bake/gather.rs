@@ -79,11 +79,8 @@ impl GatherPass<'_> {
         let pilots: Vec<SurfacePoint> = points.iter().step_by(stride).copied().collect();
         let half = self.paths / 2;
         let halves = |points: &[SurfacePoint]| {
-            let halves = [0, 1].map(|index| self.gather(points, secondary, half, index));
-            let pairs: Vec<[Vec3; 2]> = (halves[0].iter().zip(&halves[1]))
-                .map(|(a, b)| [*a, *b])
-                .collect();
-            pairs
+            let [a, b] = [0, 1].map(|index| self.gather(points, secondary, half, index));
+            a.into_iter().zip(b).map(|(a, b)| [a, b])
         };
         let pairs: Vec<[Vec3; 2]> = pilots.par_chunks(BATCH).flat_map_iter(halves).collect();
         let noise = mean_relative_variance(&pairs).sqrt();

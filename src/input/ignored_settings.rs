@@ -55,9 +55,8 @@ impl Settings {
             }
             IntegratorSettings::PathTraced { .. } => {}
         }
-        let gathers = resolved.integrator.bounces() > 0
-            && !matches!(resolved.integrator, IntegratorSettings::Whitted { .. });
-        let has_shadow_rays = scene.has_soft_shadows() || gathers && !scene.sky.is_black();
+        let samples_sky = resolved.integrator.gathers() && !scene.sky.is_black();
+        let has_shadow_rays = scene.has_soft_shadows() || samples_sky;
         let reason = "no light has a size: nothing emits, and no light has a radius or an angle";
         ignore(
             "shadow_rays",

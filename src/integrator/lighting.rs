@@ -23,14 +23,11 @@ impl Lighting {
         if has_lights(scene) || !has_shapes {
             return Lighting::Shaded;
         }
-        // Ray tracing looks at the sky only straight ahead and in mirrors.
-        let gathers =
-            !matches!(settings, IntegratorSettings::Whitted { .. }) && settings.bounces() > 0;
         let shades = |id: usize| {
             let material = &scene.materials()[id];
             (Vec3::ONE - material.reflective) * (material.diffuse + material.specular) != Vec3::ZERO
         };
-        let needs_light = !gathers && scene.used_materials().into_iter().any(shades);
+        let needs_light = !settings.gathers() && scene.used_materials().into_iter().any(shades);
         match (scene.ambient != Vec3::ZERO, scene.sky.is_black()) {
             (true, _) if needs_light => Lighting::Flat,
             (false, false) if needs_light => Lighting::Nothing,

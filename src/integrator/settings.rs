@@ -34,4 +34,9 @@ impl IntegratorSettings {
             | IntegratorSettings::Cached { bounces } => *bounces,
         }
     }
+
+    /// Whether surfaces gather light from around them. Ray tracing looks at the sky only straight ahead and in mirrors.
+    pub fn gathers(&self) -> bool {
+        !matches!(self, IntegratorSettings::Whitted { .. }) && self.bounces() > 0
+    }
 }

@@ -32,19 +32,16 @@ static SUNROOM: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
 
 /// The room of test3, lit by a square below its ceiling alone.
 static LAMP: LazyLock<(Scene, Camera)> = LazyLock::new(|| {
-    let room = std::fs::read_to_string(root().join("scenes/test3.ron")).unwrap();
-    let (head, rest) = room.split_once("    lights: [").unwrap();
-    let (_, rest) = rest.split_once("    ],\n").unwrap();
-    let head = head.replace(
-        "    materials: {",
-        "    materials: {\"lamp\": (diffuse: (0, 0, 0), emission: (18, 15, 11)),",
+    let room = room_without_lights(
+        "\"mirror\": (diffuse: (0.7, 0.7, 0.7), reflective: (0.8, 0.8, 0.8)),
+         \"olive\": (diffuse: (0.6, 0.6, 0.2)),
+         \"lamp\": (emission: (18, 15, 11)),",
+        "triangle(vertices: [(-0.25, 0.995, -0.25), (0.25, 0.995, -0.25), (0.25, 0.995, 0.25)], material: \"lamp\"),
+         triangle(vertices: [(-0.25, 0.995, -0.25), (0.25, 0.995, 0.25), (-0.25, 0.995, 0.25)], material: \"lamp\"),
+         sphere(center: (0.35, -0.5, -0.2), radius: 0.5, material: \"mirror\"),
+         sphere(center: (-0.45, -0.65, 0.2), radius: 0.35, material: \"olive\"),",
     );
-    let square = "
-        triangle(vertices: [(-0.25, 0.995, -0.25), (0.25, 0.995, -0.25), (0.25, 0.995, 0.25)], material: \"lamp\"),
-        triangle(vertices: [(-0.25, 0.995, -0.25), (0.25, 0.995, 0.25), (-0.25, 0.995, 0.25)], material: \"lamp\"),";
-    let rest = rest.replace("    objects: [", &format!("    objects: [{square}"));
-    let room = format!("{head}{rest}");
-    (scene(&room), shipped_path("test3.ron").camera(20))
+    (room, shipped_path("test3.ron").camera(20))
 });
 
 fn frame(settings: &RenderSettings, seed: u32) -> RenderedFrame {

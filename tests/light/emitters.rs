@@ -2,7 +2,6 @@
 
 use crate::support::statistics::*;
 use crate::support::*;
-use flythrough::input::{InputFiles, load_scene};
 use flythrough::integrator::IntegratorSettings;
 use flythrough::render::RenderSettings;
 use flythrough::scene::Scene;
@@ -422,17 +421,15 @@ fn textured_emitters_light_by_their_texture() {
 #[test]
 fn mirrored_surfaces_emit_from_their_front() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(
-        folder.path().join("quad.obj"),
-        "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n",
-    )
-    .unwrap();
+    let quad = folder.path().join("quad.obj");
+    let text = "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\n";
+    std::fs::write(&quad, text).unwrap();
     let triangle = "triangle(vertices: [(-1, 0, 1), (1, 0, 1), (0, 0, -1)]";
     let varied = "vertex_materials: [\"lamp\", \"lamp\", \"black\"]";
     for object in [
         format!("{triangle}, material: \"lamp\""),
         format!("{triangle}, {varied}"),
-        "model(file: \"quad.obj\", material: \"lamp\"".to_owned(),
+        format!("model(file: {quad:?}, material: \"lamp\""),
     ] {
         // The edge whose vertices emit in all of them is at this z.
         for (scale, edge, up) in [
@@ -443,15 +440,12 @@ fn mirrored_surfaces_emit_from_their_front() {
             ("(-1, -1, 1)", 1.0, false),
             ("(-1, -1, -1)", -1.0, false),
         ] {
-            let file = folder.path().join("scene.ron");
-            let text = format!(
+            let scene = scene(&format!(
                 "Scene(
                     materials: {{\"lamp\": (emission: (1, 2, 4)), \"black\": ()}},
                     objects: [{object}, scale: {scale})],
                 )"
-            );
-            std::fs::write(&file, text).unwrap();
-            let scene = load_scene(&file, &mut InputFiles::default()).unwrap().scene;
+            ));
             let target = DVec3::new(0.3, 0.0, 0.999 * edge);
             for (eye, is_above) in [(2.0, true), (-2.0, false)] {
                 let eye = DVec3::new(0.1, eye, 0.0);

@@ -90,28 +90,6 @@ fn blocks(picture: &[f64], [width, height]: [usize; 2]) -> Vec<f64> {
     means
 }
 
-/// The room of test3 with other objects in place of its spheres.
-fn room(materials: &str, objects: &str) -> Scene {
-    scene(&room_text(materials, objects))
-}
-
-/// The same without the lights of test3.
-fn room_without_lights(materials: &str, objects: &str) -> Scene {
-    let text = room_text(materials, objects);
-    let (head, rest) = text.split_once("    lights: [").unwrap();
-    let (_, rest) = rest.split_once("    ],\n").unwrap();
-    scene(&format!("{head}{rest}"))
-}
-
-fn room_text(materials: &str, objects: &str) -> String {
-    let text = std::fs::read_to_string(root().join("scenes/test3.ron")).unwrap();
-    let (head, rest) = text.split_once("        \"mirror\"").unwrap();
-    let (_, lights) = rest.split_once("    },\n").unwrap();
-    let (lights, rest) = lights.split_once("        sphere").unwrap();
-    let (_, walls) = rest.split_once("        // Floor").unwrap();
-    format!("{head}{materials}}},\n{lights}{objects}//{walls}")
-}
-
 #[test]
 fn cornell_box() {
     let scene = shipped_scene("test3.ron");

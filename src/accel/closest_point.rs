@@ -1,22 +1,38 @@
-//! The closest-point query: the distance from a point to the nearest surface.
+//! Queries about the nearest of all primitives, and the plainest of them: the distance from a point to the nearest surface.
 
 use super::bvh::Bvh;
 use super::node::{Child, ROOT};
-use crate::geometry::distance_to_triangle;
-use glam::DVec3;
+use crate::geometry::{Sphere, distance_to_triangle};
+use crate::math::Aabb;
+use glam::{DVec3, Vec3};
+
+/// What is asked about a point: lower bounds of a distance, infinite where it does not count.
+pub(super) trait PointQuery {
+    /// For all that is in a box. Called with infinite bounds where a node has no child.
+    fn box_distance(&self, bounds: &Aabb) -> f64;
+    /// For a triangle.
+    fn triangle_distance(&self, vertices: [Vec3; 3]) -> f64;
+    /// For a sphere.
+    fn sphere_distance(&self, sphere: &Sphere) -> f64;
+}
 
 impl Bvh {
     /// The distance from a point to the closest point of any primitive's surface, from inside a sphere as well
     /// as from outside, or none if it is not below `within`. In double precision; it does not depend on the
     /// tree.
     pub fn closest_point_distance(&self, point: DVec3, within: f64) -> Option<f64> {
+        self.nearest(&ClosestPoint(point), within)
+    }
+
+    /// The least distance of a query over all primitives, or none if it is not below `within`.
+    pub(super) fn nearest(&self, query: &impl PointQuery, within: f64) -> Option<f64> {
         let mut nearest = within;
         if self.nodes.is_empty() {
             for block in 0..self.blocks.len() {
-                nearest = nearest.min(self.block_distance(block, point));
+                nearest = nearest.min(self.block_distance(block, query));
             }
             for sphere in &self.spheres {
-                nearest = nearest.min(sphere.distance(point));
+                nearest = nearest.min(query.sphere_distance(sphere));
             }
             return (nearest < within).then_some(nearest);
         }
@@ -31,40 +47,61 @@ impl Bvh {
                     let node = &self.nodes[index as usize];
                     let first = stack.len();
                     for (lane, child) in node.children.into_iter().enumerate() {
-                        let bounds = node.bounds(lane);
-                        let below = bounds.min.as_dvec3() - point;
-                        let above = point - bounds.max.as_dvec3();
-                        // Infinite where there is no child.
-                        stack.push((below.max(above).max(DVec3::ZERO).length(), child));
+                        let bound = query.box_distance(&node.bounds(lane));
+                        if bound < nearest {
+                            stack.push((bound, child));
+                        }
                     }
                     // The nearest is visited first, so most of the others are culled.
                     stack[first..].sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
                 }
                 Child::Triangles(index) => {
-                    nearest = nearest.min(self.block_distance(index as usize, point));
+                    nearest = nearest.min(self.block_distance(index as usize, query));
                 }
                 Child::Sphere(index) => {
-                    nearest = nearest.min(self.spheres[index as usize].distance(point));
+                    nearest = nearest.min(query.sphere_distance(&self.spheres[index as usize]));
                 }
             }
         }
         (nearest < within).then_some(nearest)
     }
 
-    fn block_distance(&self, index: usize, point: DVec3) -> f64 {
+    fn block_distance(&self, index: usize, query: &impl PointQuery) -> f64 {
         let block = &self.blocks[index];
-        let distances = (0..block.count()).map(|l| distance_to_triangle(point, block.triangle(l)));
+        let distances = (0..block.count()).map(|lane| query.triangle_distance(block.triangle(lane)));
         distances.fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// The distance from a point to a box; infinite if that has no extent.
+pub(super) fn distance_to_box(point: DVec3, bounds: &Aabb) -> f64 {
+    let below = bounds.min.as_dvec3() - point;
+    let above = point - bounds.max.as_dvec3();
+    below.max(above).max(DVec3::ZERO).length()
+}
+
+/// The distance from a point.
+struct ClosestPoint(DVec3);
+
+impl PointQuery for ClosestPoint {
+    fn box_distance(&self, bounds: &Aabb) -> f64 {
+        distance_to_box(self.0, bounds)
+    }
+
+    fn triangle_distance(&self, vertices: [Vec3; 3]) -> f64 {
+        distance_to_triangle(self.0, vertices)
+    }
+
+    fn sphere_distance(&self, sphere: &Sphere) -> f64 {
+        sphere.distance(self.0)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Sphere;
     use crate::sampling::Random;
     use crate::simd::Kernel;
-    use glam::Vec3;
 
     /// One after the other, in no order.
     fn brute_force(triangles: &[[Vec3; 3]], spheres: &[Sphere], point: DVec3) -> f64 {

@@ -62,6 +62,7 @@
 mod brute_force;
 mod build;
 mod bvh;
+mod clearance;
 mod closest_point;
 mod constants;
 mod hit_filter;
@@ -89,6 +90,7 @@ mod watertight;
 
 pub use brute_force::{DISTANCE_TOLERANCE, disagreement, nearest_triangle};
 pub use bvh::Bvh;
+pub use clearance::ClearanceCone;
 pub use query_state::QueryState;
 pub use ray_packet::RayPacket;
 pub use validate::BvhError;

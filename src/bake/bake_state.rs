@@ -1,180 +1,109 @@
 //! The records of one or more camera paths and their values, as a file keeps them between runs.
 
-use super::candidates::{FrameProbe, candidates};
-use super::fit_gradients::fit_gradients;
-use super::gather::{GatherPass, RandomStream};
-use super::placement::{Candidate, Placement, Spacing};
+use super::candidates::PathProbe;
+use super::finest_view::FinestView;
+use super::fit_gradients::{GatheredValue, fit_gradients};
+use super::gather::{GatherPass, GatherSettings};
+use super::placement::{Cells, MAX_ABOVE, MAX_ANGLE, PlacedRecord, Placement};
 use crate::camera::CameraPath;
 use crate::integrator::FinalGather;
 use crate::irradiance_cache::{
-    IrradianceCache, IrradianceRecords, PrimaryIrradiance, SecondaryIrradiance,
+    CellKey, IrradianceCache, IrradianceRecords, PrimaryIrradiance, SecondaryIrradiance,
 };
 use crate::render::ErrorEstimate;
-use crate::sampling::van_der_corput_order;
 use crate::scene::Scene;
 use glam::Vec3;
 use postcard::ser_flavors::Size;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Called with the progress, from 0 to 1, and the current stage.
 pub type Listener<'a> = &'a (dyn Fn(f64, &'static str) + Sync);
 
-/// The part of the work that is done when the records are placed, when the secondary ones are gathered, and when all
-/// are: about what the shipped scenes take.
-const PLACED: f64 = 0.07;
-const SECONDARY_GATHERED: f64 = 0.2;
+/// The part of the work that is done when the views of all frames are known, when the records are placed, and when their
+/// light is gathered: about what the shipped scenes take.
+const SEEN: f64 = 0.03;
+const PLACED: f64 = 0.1;
 pub(super) const GATHERED: f64 = 0.9;
 
 /// Calls `report` with the part of `all` that is done, for some of the times that it is called.
 fn counter(all: usize, report: impl Fn(f64) + Sync) -> impl Fn() + Sync {
     let done = AtomicUsize::new(0);
+    let stride = all.div_ceil(256).max(1);
     move || {
         let before = done.fetch_add(1, Ordering::Relaxed);
-        if before.is_multiple_of(256) {
+        if before.is_multiple_of(stride) {
             report(before as f64 / all as f64);
         }
     }
 }
 
-/// Of records that the camera sees directly.
-const PRIMARY: Spacing = Spacing {
-    relative_radius: 0.3,
-    max_distance: 0.7,
-    max_angle: 20_f32.to_radians(),
-    probe_rays: 32,
-};
-
-/// Of records that it sees in mirrors.
-const MIRRORED: Spacing = Spacing {
-    relative_radius: 0.5,
-    ..PRIMARY
-};
-
-/// Of records that gathered rays hit.
-const SECONDARY: Spacing = Spacing {
-    relative_radius: 0.7,
-    max_distance: 0.7,
-    max_angle: 40_f32.to_radians(),
-    probe_rays: 32,
-};
-
-/// The smallest radius of primary records, in pixels (as Tabellion and Lamorlette 2004 bound radii): seen directly,
-/// and in mirrors, which mostly show objects smaller.
-const MIN_PIXELS: [f32; 2] = [6.0, 12.0];
-
-/// The smallest radius of secondary records, relative to the median distance between surfaces.
-const MIN_SECONDARY_RADIUS: f32 = 0.4;
-
-/// Paths of all primary records together: few records get more paths each, at little cost, which lowers the noise
-/// on large flat surfaces.
-const TOTAL_PRIMARY_PATHS: usize = 16_000_000;
-
-/// Bounds of paths per primary record, where there is little noise.
-const MIN_PATHS: usize = 160;
-const MAX_PATHS: usize = 480;
-
-/// Paths per secondary record, for each number of bounces left, where there is little noise.
-const SECONDARY_PATHS: u32 = 32;
-
-/// The relative noise of records, at refinement level 0, above which all get more paths.
-const PRIMARY_NOISE: f32 = 0.04;
-const SECONDARY_NOISE: f32 = 0.15;
-
-/// How many generations of secondary records are placed, each where the last one sees surfaces.
-const GENERATIONS: u32 = 8;
-
-/// The radius of records at a refinement level, relative to level 0: each level halves their area.
-fn radius_scale(refinement_level: u32) -> f32 {
-    0.7_f32.powi(refinement_level as i32)
-}
-
-/// The noise of records at a refinement level, relative to level 0: each has twice as many paths.
-fn noise_scale(refinement_level: u32) -> f32 {
-    0.5_f32.powf(0.5 * refinement_level as f32)
-}
-
 /// The irradiance records of some camera paths, and what it takes to add those of further paths.
+///
+/// A path's frames look up its own records only, and each record is the same whichever path needed it first: so what is
+/// there for other paths changes nothing.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct BakeState {
     refinement_level: u32,
     seed: u32,
-    /// The names of the camera paths.
-    camera_paths: Vec<String>,
-    /// Cache errors measured since the last path was added.
-    errors: Vec<CameraPathErrors>,
-    /// By the number of bounces left, less 1.
-    primary: Vec<PlacedRecords>,
-    /// Its values are by the number of bounces left, less 1.
-    secondary: PlacedRecords,
+    bounces: u32,
+    lights: Vec<GatheredLight>,
+    paths: Vec<PathRecords>,
 }
 
-/// The cache errors in the frames of a camera path.
+/// What is gathered with the same settings.
 #[derive(Debug, Serialize, Deserialize)]
-struct CameraPathErrors {
+struct GatheredLight {
+    settings: GatherSettings,
+    secondary: Arc<SecondaryIrradiance>,
+    primary: BTreeMap<RecordKey, GatheredRecord>,
+}
+
+/// What a primary record is, beside the settings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+struct RecordKey {
+    bounces_left: u8,
+    /// The binary logarithm of the factor to the paths of the smallest.
+    paths: u8,
+    cell: CellKey,
+}
+
+/// A primary record and its value.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct GatheredRecord {
+    placed: PlacedRecord,
+    /// E / π in W/(sr m²).
+    mean_radiance: Vec3,
+}
+
+/// What the frames of a camera path look up.
+#[derive(Debug, Serialize, Deserialize)]
+struct PathRecords {
     /// The name of the camera path.
-    camera_path: String,
+    name: String,
+    settings: GatherSettings,
+    records: Vec<RecordKey>,
     /// The radiance that is displayed as white: errors are relative to it.
     display_white: f32,
-    /// By frame.
-    errors: Vec<ErrorEstimate>,
-}
-
-/// Records and their values.
-#[derive(Debug, Serialize, Deserialize)]
-struct PlacedRecords {
-    placement: Placement,
-    /// E / π in W/(sr m²), by number of bounces left, for one or more, and by record.
-    values: Vec<Vec<Vec3>>,
-}
-
-impl PlacedRecords {
-    fn new(scene: &Scene, spacing: Spacing, seed: u32, bounces: u32) -> PlacedRecords {
-        PlacedRecords {
-            placement: Placement::new(scene, spacing, seed),
-            values: vec![Vec::new(); bounces as usize],
-        }
-    }
-
-    /// Records and values in the order of [`IrradianceRecords::compacted`].
-    fn compacted(&self) -> (IrradianceRecords, Vec<Vec<Vec3>>) {
-        let (records, order) = self.placement.records.compacted();
-        let in_order = |values: &Vec<Vec3>| order.iter().map(|&index| values[index]).collect();
-        (records, self.values.iter().map(in_order).collect())
-    }
+    /// The cache errors, by frame; none before they are measured.
+    errors: Option<Vec<ErrorEstimate>>,
 }
 
 impl BakeState {
     /// The highest refinement level.
     pub const MAX_REFINEMENT: u32 = 3;
 
-    /// The state without records, where `bounces` bounces are counted. Each refinement level, from 0 to
-    /// [`BakeState::MAX_REFINEMENT`], has twice as many records as the last and twice as many paths per record.
-    pub fn new(scene: &Scene, bounces: u32, seed: u32, refinement_level: u32) -> BakeState {
-        let refined = |spacing: Spacing| Spacing {
-            relative_radius: spacing.relative_radius * radius_scale(refinement_level),
-            ..spacing
-        };
-        let primary = |bounces_left: u32| {
-            let spacing = if bounces_left == bounces {
-                PRIMARY
-            } else {
-                MIRRORED
-            };
-            PlacedRecords::new(scene, refined(spacing), seed, 1)
-        };
+    /// The state without records, where `bounces` bounces are counted. At each refinement level, from 0 to
+    /// [`BakeState::MAX_REFINEMENT`], cells have half the side of the last.
+    pub fn new(bounces: u32, seed: u32, refinement_level: u32) -> BakeState {
         BakeState {
             refinement_level,
             seed,
-            camera_paths: Vec::new(),
-            errors: Vec::new(),
-            primary: (1..=bounces).map(primary).collect(),
-            secondary: PlacedRecords::new(
-                scene,
-                refined(SECONDARY),
-                seed,
-                bounces.saturating_sub(1),
-            ),
+            bounces,
+            lights: Vec::new(),
+            paths: Vec::new(),
         }
     }
 
@@ -184,73 +113,69 @@ impl BakeState {
     }
 
     /// The names of the camera paths whose records it holds, in the order in which they were added.
-    pub fn camera_paths(&self) -> &[String] {
-        &self.camera_paths
+    pub fn camera_paths(&self) -> impl Iterator<Item = &str> {
+        self.paths.iter().map(|path| &*path.name)
     }
 
     /// Whether it holds the records of the path of this name.
     pub fn has_camera_path(&self, name: &str) -> bool {
-        self.camera_paths.iter().any(|known| known == name)
+        self.camera_paths().any(|known| known == name)
+    }
+
+    fn path(&self, name: &str) -> Option<&PathRecords> {
+        self.paths.iter().find(|path| path.name == name)
     }
 
     /// The cache error of each frame of a path, if it was measured for this display white.
     pub fn errors(&self, name: &str, display_white: f32) -> Option<&[ErrorEstimate]> {
-        let of_path = |errors: &&CameraPathErrors| {
-            errors.camera_path == name && errors.display_white == display_white
-        };
-        let errors = self.errors.iter().find(of_path)?;
-        Some(&errors.errors)
+        let path = self.path(name)?;
+        let is_same = path.display_white == display_white;
+        path.errors.as_deref().filter(|_| is_same)
     }
 
     /// Stores the cache error of each frame of a path.
     pub(super) fn set_errors(&mut self, name: &str, display_white: f32, errors: &[ErrorEstimate]) {
-        self.errors.push(CameraPathErrors {
-            camera_path: name.to_owned(),
-            display_white,
-            errors: errors.to_vec(),
-        });
-    }
-
-    fn bounces(&self) -> u32 {
-        self.primary.len() as u32
-    }
-
-    /// The irradiance cache that frames use.
-    pub fn irradiance_cache(&self) -> IrradianceCache {
-        let primary = |placed: &PlacedRecords| {
-            let (records, values) = placed.compacted();
-            PrimaryIrradiance {
-                values: fit_gradients(&records, &values[0]),
-                records,
-            }
-        };
-        let (records, values) = self.secondary.compacted();
-        IrradianceCache {
-            primary: self.primary.iter().map(primary).collect(),
-            secondary: SecondaryIrradiance {
-                min_distance: self.secondary.placement.min_radius(),
-                records,
-                values,
-            },
+        if let Some(path) = self.paths.iter_mut().find(|path| path.name == name) {
+            path.display_white = display_white;
+            path.errors = Some(errors.to_vec());
         }
     }
 
-    /// Bytes of the state in a file when the light is gathered and the errors of `frames` frames are measured.
-    fn stored_bytes(&self, frames: u32) -> u64 {
-        let now = postcard::serialize_with_flavor(self, Size::default());
-        let records = |placed: &PlacedRecords| placed.placement.points.len();
-        let placed = self.primary.iter().chain([&self.secondary]);
-        let values = placed.map(|placed| {
-            let gathered = placed.values.iter().map(Vec::len);
-            gathered
-                .map(|gathered| records(placed) - gathered)
-                .sum::<usize>()
-        });
-        let values = values.sum::<usize>() * size_of::<Vec3>();
-        let errors = frames as usize * size_of::<ErrorEstimate>();
-        // Lengths and names.
-        const REST: usize = 4096;
-        (now.expect("plain data") + values + errors + REST) as u64
+    fn light(&self, settings: GatherSettings) -> Option<&GatheredLight> {
+        self.lights.iter().find(|light| light.settings == settings)
+    }
+
+    /// The irradiance cache that the frames of a path use; none if it does not hold that path.
+    pub fn irradiance_cache(&self, scene: &Scene, name: &str) -> Option<IrradianceCache> {
+        let path = self.path(name)?;
+        let light = self.light(path.settings)?;
+        let primary = |bounces_left: u32| {
+            let of_bounce = |key: &&RecordKey| u32::from(key.bounces_left) == bounces_left;
+            let keys: Vec<&RecordKey> = path.records.iter().filter(of_bounce).collect();
+            let gathered = |key: &&RecordKey| light.primary[key];
+            let list = keys.iter().map(|key| gathered(key).placed.record).collect();
+            let (records, order) = IrradianceRecords::new(scene.bounds(), MAX_ANGLE, list);
+            let value = |&index: &usize| {
+                let GatheredRecord {
+                    placed,
+                    mean_radiance,
+                } = gathered(&keys[index]);
+                GatheredValue {
+                    point: placed.point,
+                    mean_radiance,
+                    paths: path.settings.paths << keys[index].paths,
+                }
+            };
+            let values: Vec<GatheredValue> = order.iter().map(value).collect();
+            PrimaryIrradiance {
+                values: fit_gradients(scene, &records, &values),
+                records,
+            }
+        };
+        Some(IrradianceCache {
+            primary: (1..=self.bounces).map(primary).collect(),
+            secondary: light.secondary.clone(),
+        })
     }
 
     /// Adds the records of a path whose frames have `size` columns and rows. `reserve` is as that of [`super::bake`].
@@ -263,147 +188,135 @@ impl BakeState {
         listener: Listener,
         reserve: &mut impl FnMut(u64) -> Result<(), E>,
     ) -> Result<(), E> {
-        let hits = self.place_primary(scene, path, size, listener);
+        let cells = self.place(scene, path, size, listener);
         listener(PLACED, "secondary records");
-        self.place_secondary(scene, hits);
-        reserve(self.stored_bytes(path.timeline().frame_count()))?;
+        let mut records: Vec<(RecordKey, PlacedRecord)> = Vec::new();
+        for (bounces_left, cells) in (1..).zip(&cells) {
+            records.extend(cells.iter().map(|(&cell, placed)| {
+                let key = RecordKey {
+                    bounces_left,
+                    paths: placed.above.min(MAX_ABOVE),
+                    cell,
+                };
+                (key, placed.placed)
+            }));
+        }
         let final_gather = FinalGather::new(scene);
-        let secondary = self.gather_secondary(&final_gather, listener);
-        self.gather_primary(&final_gather, &secondary, listener);
-        self.camera_paths.push(name.to_owned());
-        self.errors.clear();
+        let seen_directly: Vec<(CellKey, PlacedRecord)> = cells
+            .last()
+            .into_iter()
+            .flatten()
+            .map(|(&cell, placed)| (cell, placed.placed))
+            .collect();
+        let settings = GatherSettings::for_records(
+            &final_gather,
+            scene,
+            &seen_directly,
+            self.bounces,
+            self.seed,
+            self.refinement_level,
+        );
+        let light = match self.lights.iter().position(|l| l.settings == settings) {
+            Some(index) => index,
+            None => {
+                let bounces = self.bounces.saturating_sub(1);
+                let secondary = SecondaryIrradiance::new(settings.secondary, bounces);
+                self.lights.push(GatheredLight {
+                    settings,
+                    secondary: Arc::new(secondary),
+                    primary: BTreeMap::new(),
+                });
+                self.lights.len() - 1
+            }
+        };
+        let path_records = PathRecords {
+            name: name.to_owned(),
+            settings,
+            records: records.iter().map(|(key, _)| *key).collect(),
+            display_white: 0.0,
+            errors: None,
+        };
+        records.retain(|(key, _)| !self.lights[light].primary.contains_key(key));
+        reserve(self.stored_bytes(&path_records, records.len(), path))?;
+        self.gather(&final_gather, light, &mut records, listener);
+        self.paths.push(path_records);
         Ok(())
     }
 
-    /// Covers what all frames see. Returns candidates for secondary records.
-    ///
-    /// Frames come in van der Corput order: the first ones, far apart, place most records, and later ones fill
-    /// gaps.
-    fn place_primary(
-        &mut self,
+    /// The cells that all frames need.
+    fn place(
+        &self,
         scene: &Scene,
         path: &CameraPath,
         size: (u32, u32),
         listener: Listener,
-    ) -> Vec<Candidate> {
-        let mut hits = Vec::new();
-        if self.primary.is_empty() {
-            return hits;
+    ) -> Vec<Cells> {
+        if self.bounces == 0 {
+            return Vec::new();
         }
-        let frames = path.timeline().frame_count();
-        let bounces = self.bounces();
-        let scale = radius_scale(self.refinement_level);
-        for (pass, frame) in (0..).zip(van_der_corput_order(frames)) {
-            let progress = PLACED * f64::from(pass) / f64::from(frames);
-            listener(progress, "primary records");
-            let probe = FrameProbe {
-                scene,
-                camera: path.camera(frame),
-                size,
-                bounces,
-                min_pixels: MIN_PIXELS.map(|pixels| scale * pixels),
-                seed: self.seed,
-                pass,
-            };
-            for (placed, seen) in self.primary.iter_mut().zip(candidates(&probe)) {
-                hits.extend(placed.placement.place_until_covered(scene, &seen));
-            }
-        }
-        hits
-    }
-
-    /// Covers what is seen from primary records, then what is seen from there, and so on.
-    fn place_secondary(&mut self, scene: &Scene, mut hits: Vec<Candidate>) {
-        // A single bounce needs no secondary records.
-        if self.bounces() < 2 {
-            return;
-        }
-        let primary = self.primary.iter().rev();
-        let median = primary
-            .map(|placed| &placed.placement)
-            .find_map(Placement::median_distance);
-        let scale = radius_scale(self.refinement_level);
-        let min_radius = scale * MIN_SECONDARY_RADIUS * median.unwrap_or(0.0);
-        for _ in 0..GENERATIONS {
-            for hit in &mut hits {
-                hit.min_radius = min_radius;
-            }
-            hits = self.secondary.placement.place_until_covered(scene, &hits);
-        }
-    }
-
-    /// Gathers the values of secondary records that have none yet, for one bounce left, for two, and so on, each
-    /// from the last.
-    fn gather_secondary(
-        &mut self,
-        final_gather: &FinalGather,
-        listener: Listener,
-    ) -> SecondaryIrradiance {
-        let PlacedRecords { placement, values } = &mut self.secondary;
-        let missing = values
-            .iter()
-            .map(|values| placement.points.len() - values.len());
-        let on_point = counter(missing.sum(), |part| {
-            let progress = PLACED + (SECONDARY_GATHERED - PLACED) * part;
-            listener(progress, "secondary irradiance");
-        });
-        let (records, order) = placement.records.compacted();
-        let mut secondary = SecondaryIrradiance {
-            min_distance: placement.min_radius(),
-            records,
-            values: Vec::new(),
+        let probe = PathProbe {
+            scene,
+            path,
+            size,
+            bounces: self.bounces,
+            seed: self.seed,
         };
-        for (bounces_left, values_of_bounce) in (1..).zip(values) {
-            let gather_pass = GatherPass {
-                final_gather,
-                bounces_left,
-                paths: SECONDARY_PATHS << self.refinement_level,
-                noise: SECONDARY_NOISE * noise_scale(self.refinement_level),
-                stream: RandomStream::Secondary,
-                seed: self.seed,
-            };
-            let new = &placement.points[values_of_bounce.len()..];
-            values_of_bounce.extend(gather_pass.mean_radiance(new, &secondary, &on_point));
-            let in_order = order.iter().map(|&index| values_of_bounce[index]);
-            secondary.values.push(in_order.collect());
-        }
-        secondary
+        let frames = path.timeline().frame_count() as usize;
+        let seen = counter(frames, |part| listener(SEEN * part, "views"));
+        let views = FinestView::of(&probe, seen);
+        let placed = counter(frames, |part| {
+            listener(SEEN + (PLACED - SEEN) * part, "primary records");
+        });
+        Placement::of_path(&probe, self.refinement_level, &views, placed)
     }
 
-    /// Gathers the values of primary records that have none yet.
-    fn gather_primary(
+    /// Gathers the values of new primary records.
+    fn gather(
         &mut self,
         final_gather: &FinalGather,
-        secondary: &SecondaryIrradiance,
+        light: usize,
+        records: &mut [(RecordKey, PlacedRecord)],
         listener: Listener,
     ) {
-        let missing =
-            |placed: &PlacedRecords| placed.placement.points.len() - placed.values[0].len();
-        let all: usize = self.primary.iter().map(missing).sum();
-        let on_point = counter(all, |part| {
-            let progress = SECONDARY_GATHERED + (GATHERED - SECONDARY_GATHERED) * part;
-            listener(progress, "primary irradiance");
+        let seed = self.seed;
+        let light = &mut self.lights[light];
+        let on_record = counter(records.len(), |part| {
+            let progress = PLACED + (GATHERED - PLACED) * part;
+            listener(progress, "irradiance");
         });
-        let bounces = self.bounces();
-        let paths = (TOTAL_PRIMARY_PATHS / all.max(1)).clamp(MIN_PATHS, MAX_PATHS) as u32;
-        for (bounces_left, placed) in (1..).zip(&mut self.primary) {
-            // What is seen in mirrors contributes less to a pixel.
-            let paths = if bounces_left < bounces {
-                paths / 2
-            } else {
-                paths
-            };
-            let gather_pass = GatherPass {
+        // Those of as many paths together.
+        records.sort_by_key(|(key, _)| *key);
+        for group in records.chunk_by(|(a, _), (b, _)| (a.bounces_left, a.paths) == (b.bounces_left, b.paths)) {
+            let (key, _) = group[0];
+            let pass = GatherPass {
                 final_gather,
-                bounces_left,
-                paths: paths << self.refinement_level,
-                noise: PRIMARY_NOISE * noise_scale(self.refinement_level),
-                stream: RandomStream::Primary,
-                seed: self.seed,
+                secondary: &light.secondary,
+                bounces_left: key.bounces_left.into(),
+                seed,
             };
-            let values = &mut placed.values[0];
-            let new = &placed.placement.points[values.len()..];
-            values.extend(gather_pass.mean_radiance(new, secondary, &on_point));
+            let points: Vec<_> = group.iter().map(|(key, placed)| (key.cell, *placed)).collect();
+            let paths = light.settings.paths << key.paths;
+            let gathered = pass.mean_radiance(&points, paths, 0, &on_record);
+            let gathered = group.iter().zip(gathered);
+            light.primary.extend(gathered.map(|((key, placed), mean_radiance)| {
+                let record = GatheredRecord {
+                    placed: *placed,
+                    mean_radiance,
+                };
+                (*key, record)
+            }));
         }
+    }
+
+    /// Bytes of the state in a file when a path's new records are gathered and its errors are measured.
+    fn stored_bytes(&self, path: &PathRecords, new: usize, camera_path: &CameraPath) -> u64 {
+        let size = |value: Result<usize, postcard::Error>| value.expect("plain data");
+        let now = size(postcard::serialize_with_flavor(self, Size::default()));
+        let records = size(postcard::serialize_with_flavor(path, Size::default()));
+        let values = new * (size_of::<RecordKey>() + size_of::<GatheredRecord>());
+        let errors = camera_path.timeline().frame_count() as usize * size_of::<ErrorEstimate>();
+        // Lengths, and about as many secondary records as there are in a room.
+        const REST: usize = 1 << 22;
+        (now + records + values + errors + REST) as u64
     }
 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 use thiserror::Error;
 
 /// First bytes of the file: name and version of the format.
-const MAGIC: &[u8] = b"flythrough irradiance cache 3\n";
+const MAGIC: &[u8] = b"flythrough irradiance cache 4\n";
 
 /// Bytes of a hash.
 const HASH: usize = blake3::OUT_LEN;
@@ -89,7 +89,7 @@ impl CacheFile {
     /// The names of the camera paths that it holds now; none if it is not there or not this cache.
     pub fn camera_paths(&self) -> Vec<String> {
         let found = self.read(false).ok().flatten();
-        found.map_or(Vec::new(), |found| found.camera_paths().to_vec())
+        found.map_or(Vec::new(), |found| found.camera_paths().map(str::to_owned).collect())
     }
 
     /// Begins the file that [`CacheFile::finish`] ends, before the cache is baked: so it is known early that it can be

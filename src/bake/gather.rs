@@ -1,116 +1,162 @@
 //! Gathers the values of records: a final gather at each of them.
 
+use super::placement::PlacedRecord;
 use crate::accel::QueryState;
 use crate::integrator::{FinalGather, GatherPaths, GatherPoint};
-use crate::irradiance_cache::SecondaryIrradiance;
-use crate::sampling::SobolSequence;
-use crate::scene::SurfacePoint;
+use crate::irradiance_cache::{CellKey, SecondaryIrradiance, SecondarySettings};
+use crate::math::{Ray, to_world};
+use crate::sampling::{SobolSequence, cosine_hemisphere};
+use crate::scene::Scene;
 use glam::Vec3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// Points that are gathered for together.
 const BATCH: usize = 16;
 
-/// Points whose noise says how many paths all get.
-const PILOTS: usize = 1024;
+/// Records whose surroundings and noise decide the settings of all.
+const PILOTS: usize = 512;
 
-/// At most this many times the least number of paths leave a point.
+/// The least number of paths of a primary and of a secondary record.
+const PATHS: u32 = 64;
+
+/// At most this many times as many paths leave a record.
 const MOST: f32 = 8.0;
+const MOST_SECONDARY: u32 = 4;
 
-/// What samples are for. Samples of different purposes are independent.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum RandomStream {
-    Probe,
-    Secondary,
-    Primary,
+/// The standard deviation of a value with the least number of paths, over the value, above which there are more: in rooms
+/// that are lit through windows few paths find the light.
+const NOISE: f32 = 0.08;
+
+/// The side of secondary cells relative to the median distance between surfaces.
+const RELATIVE_SECONDARY_SIDE: f32 = 0.12;
+
+/// Sets the random numbers of primary records apart from those of secondary ones.
+const STREAM: u32 = 1 << 8;
+
+/// What decides the values of records, beside the scene and their cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct GatherSettings {
+    pub(super) secondary: SecondarySettings,
+    /// The paths of the primary records in the smallest cells.
+    pub(super) paths: u32,
 }
 
-/// The samples of a point. They depend on its position and normal, not on when it was found.
-pub(super) fn sequence_of(
-    point: &SurfacePoint,
-    seed: u32,
-    stream: RandomStream,
-    bounces_left: u32,
-) -> SobolSequence {
-    let [x, y, z] = point.position.to_array().map(f32::to_bits);
-    let [nx, ny, nz] = point.shading_normal.to_array().map(f32::to_bits);
-    let side = nx ^ ny.rotate_left(11) ^ nz.rotate_left(22);
-    let stream = (stream as u32) << 8 | bounces_left;
-    SobolSequence::new(seed ^ side, stream ^ x.rotate_left(16), y, z)
+impl GatherSettings {
+    /// The settings that some records of a path ask for. They come in powers of two, so that other paths in the same rooms
+    /// mostly ask for the same.
+    ///
+    /// Noise decides for all records at once, as values whose own noise decided would be too low: those seem good that
+    /// have missed what is bright and rare.
+    pub(super) fn for_records(
+        final_gather: &FinalGather,
+        scene: &Scene,
+        records: &[(CellKey, PlacedRecord)],
+        bounces: u32,
+        seed: u32,
+        refinement: u32,
+    ) -> GatherSettings {
+        let stride = records.len().div_ceil(PILOTS).max(1);
+        let pilots: Vec<_> = records.iter().step_by(stride).copied().collect();
+        let median = median_distance(scene, &pilots, seed);
+        let level = CellKey::level_of_side(RELATIVE_SECONDARY_SIDE * median) - refinement as i32 / 2;
+        let mut settings = GatherSettings {
+            secondary: SecondarySettings {
+                level: level as i8,
+                paths: PATHS << refinement,
+                seed,
+            },
+            paths: PATHS,
+        };
+        let secondary = SecondaryIrradiance::new(settings.secondary, bounces.saturating_sub(1));
+        let pass = GatherPass {
+            final_gather,
+            secondary: &secondary,
+            bounces_left: bounces,
+            seed,
+        };
+        let half = |index: u32| pass.mean_radiance(&pilots, PATHS / 2, index, &|| ());
+        let pairs: Vec<[Vec3; 2]> = half(0).into_iter().zip(half(1)).map(|(a, b)| [a, b]).collect();
+        let noise = mean_relative_variance(&pairs).sqrt();
+        let factor = (noise / NOISE).powi(2).clamp(1.0, MOST) as u32;
+        let factor = factor.next_power_of_two();
+        settings.paths *= factor;
+        settings.secondary.paths *= factor.min(MOST_SECONDARY);
+        settings
+    }
+}
+
+/// The median distance that paths go from some records, by area; the scene's size if there is nothing around them.
+fn median_distance(scene: &Scene, records: &[(CellKey, PlacedRecord)], seed: u32) -> f32 {
+    let ray = |(cell, placed): &(CellKey, PlacedRecord)| -> Ray {
+        let [u, v] = sequence_of(cell, seed, 0).sample_2d(0, 0);
+        let direction = to_world(placed.point.geometric_normal, cosine_hemisphere(u, v));
+        placed.point.spawn_ray(direction)
+    };
+    let rays: Vec<Ray> = records.iter().map(ray).collect();
+    let mut hits = vec![None; rays.len()];
+    scene.closest_incoherent(&rays, &mut hits, &mut QueryState::default());
+    let area = |cell: &CellKey| f64::from(cell.side()).powi(2);
+    let hits = records.iter().zip(&hits);
+    let mut distances: Vec<(f64, f64)> = hits
+        .filter_map(|((cell, _), hit)| Some((hit.as_ref()?.t, area(cell))))
+        .collect();
+    distances.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut rest = 0.5 * distances.iter().map(|(_, area)| area).sum::<f64>();
+    let median = distances.iter().find(|(_, area)| {
+        rest -= area;
+        rest <= 0.0
+    });
+    let size = || scene.bounds().extent().max_element().max(1.0);
+    median.map_or_else(size, |(distance, _)| *distance as f32)
+}
+
+/// The samples of a record. They depend on its cell, not on when it was found.
+fn sequence_of(cell: &CellKey, seed: u32, bounces_left: u32) -> SobolSequence {
+    let [level_and_facing, x, y, z] = cell.words();
+    SobolSequence::new(seed ^ level_and_facing, x, y, z).stream(STREAM | bounces_left)
 }
 
 /// How the values of records are gathered.
 pub(super) struct GatherPass<'a> {
     pub(super) final_gather: &'a FinalGather<'a>,
+    pub(super) secondary: &'a SecondaryIrradiance,
     /// How many bounces are left at the records, at least one.
     pub(super) bounces_left: u32,
-    /// The least number of paths per record, at least 2. There are more if the noise needs it: in rooms that are lit through
-    /// windows few paths find the light.
-    pub(super) paths: u32,
-    /// The standard deviation of a value, over the value, that is allowed, in the mean over the records.
-    pub(super) noise: f32,
-    pub(super) stream: RandomStream,
     pub(super) seed: u32,
 }
 
 impl GatherPass<'_> {
-    /// Mean incident radiance at each point, E / π in W/(sr m²). Paths end at the first hit that the secondary
-    /// records cover. `on_point` is called once per finished point.
+    /// Mean incident radiance at each record, E / π in W/(sr m²), by paths from `index` times their number on. `on_record` is
+    /// called once per finished record.
     pub(super) fn mean_radiance(
         &self,
-        points: &[SurfacePoint],
-        secondary: &SecondaryIrradiance,
-        on_point: &(dyn Fn() + Sync),
-    ) -> Vec<Vec3> {
-        let paths = self.paths_for_noise(points, secondary);
-        let of_batch = |points: &[SurfacePoint]| {
-            let mean_radiance = self.gather(points, secondary, paths, 0);
-            points.iter().for_each(|_| on_point());
-            mean_radiance
-        };
-        points.par_chunks(BATCH).flat_map_iter(of_batch).collect()
-    }
-
-    /// How many paths leave each of the points: as many as bring the noise down, by that of some points spread over all.
-    /// It is one number for all, as values whose own noise decided would be too low: those seem good that have missed what
-    /// is bright and rare.
-    fn paths_for_noise(&self, points: &[SurfacePoint], secondary: &SecondaryIrradiance) -> u32 {
-        let stride = points.len().div_ceil(PILOTS).max(1);
-        let pilots: Vec<SurfacePoint> = points.iter().step_by(stride).copied().collect();
-        let half = self.paths / 2;
-        let halves = |points: &[SurfacePoint]| {
-            let [a, b] = [0, 1].map(|index| self.gather(points, secondary, half, index));
-            a.into_iter().zip(b).map(|(a, b)| [a, b])
-        };
-        let pairs: Vec<[Vec3; 2]> = pilots.par_chunks(BATCH).flat_map_iter(halves).collect();
-        let noise = mean_relative_variance(&pairs).sqrt();
-        let factor = (noise / self.noise).powi(2).clamp(1.0, MOST);
-        (self.paths as f32 * factor) as u32
-    }
-
-    /// The mean radiance of some of the paths of each point: `paths` from `index` times as many on.
-    fn gather(
-        &self,
-        points: &[SurfacePoint],
-        secondary: &SecondaryIrradiance,
+        records: &[(CellKey, PlacedRecord)],
         paths: u32,
         index: u32,
+        on_record: &(dyn Fn() + Sync),
     ) -> Vec<Vec3> {
-        let gather_point = |point: &SurfacePoint| GatherPoint {
-            point: *point,
-            sequence: sequence_of(point, self.seed, self.stream, self.bounces_left),
-            index,
+        let of_batch = |records: &[(CellKey, PlacedRecord)]| {
+            let point = |(cell, placed): &(CellKey, PlacedRecord)| GatherPoint {
+                point: placed.point,
+                sequence: sequence_of(cell, self.seed, self.bounces_left),
+                index,
+            };
+            let points: Vec<GatherPoint> = records.iter().map(point).collect();
+            let gather_paths = GatherPaths {
+                bounces_left: self.bounces_left,
+                count: paths,
+                // What a camera sees gets that by shadow rays.
+                include_sky: false,
+            };
+            let query_state = &mut QueryState::default();
+            let gathered =
+                self.final_gather
+                    .gather(&points, gather_paths, self.secondary, query_state);
+            records.iter().for_each(|_| on_record());
+            gathered
         };
-        let points: Vec<GatherPoint> = points.iter().map(gather_point).collect();
-        let gather_paths = GatherPaths {
-            bounces_left: self.bounces_left,
-            count: paths,
-            // What a camera sees gets that by shadow rays.
-            include_sky: matches!(self.stream, RandomStream::Secondary),
-        };
-        let mut query_state = QueryState::default();
-        self.final_gather
-            .gather(&points, gather_paths, Some(secondary), &mut query_state)
+        records.par_chunks(BATCH).flat_map_iter(of_batch).collect()
     }
 }
 

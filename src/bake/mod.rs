@@ -1,12 +1,11 @@
 //! Bakes the irradiance cache of a camera path, before its first frame.
 //!
-//! 1. Placement: records cover what the frames see, more densely where other surfaces are close (Ward et al.
-//!    1988), and, more coarsely, what is seen from there.
-//! 2. Gathering: path tracing gives the value of each record; of secondary records for one bounce left, for two,
-//!    and so on, each from the last, and from these that of primary records. Where few paths find the light, more are
-//!    traced.
-//! 3. Gradients: a linear function is fitted to the values around each primary record.
-//! 4. Validation: at held-out pixels the cache is compared with path tracing, which gives the cache error of each
+//! 1. Views: how closely the frames see each surface at most.
+//! 2. Placement: records in cells of space, as small as the closest view asks for where other surfaces are close.
+//! 3. Gathering: path tracing gives the value of each record; paths end in secondary records, which are gathered as they
+//!    are asked for. Where few paths find the light, more are traced.
+//! 4. Gradients: a linear function is fitted to the values around each primary record.
+//! 5. Validation: at held-out pixels the cache is compared with path tracing, which gives the cache error of each
 //!    frame. Where it exceeds the target, all is baked again with more and smaller records.
 //!
 //! The result is a function of scene, path and settings: it does not depend on the number of threads, nor on which
@@ -15,6 +14,7 @@
 mod bake_state;
 mod cache_file;
 mod candidates;
+mod finest_view;
 mod fit_gradients;
 mod gather;
 mod placement;
@@ -75,7 +75,7 @@ pub fn bake_with_room<E>(
 ) -> Result<Baked, E> {
     let is_given = given.is_some();
     let bounces = settings.integrator.bounces();
-    let new = |refinement_level| BakeState::new(scene, bounces, settings.seed, refinement_level);
+    let new = |refinement_level| BakeState::new(bounces, settings.seed, refinement_level);
     let mut state = given.unwrap_or_else(|| new(0));
     loop {
         if !state.has_camera_path(name) {
@@ -83,7 +83,7 @@ pub fn bake_with_room<E>(
             state.add_camera_path(scene, path, name, size, listener, &mut reserve)?;
         }
         listener(GATHERED, "cache error");
-        let cache = state.irradiance_cache();
+        let cache = state.irradiance_cache(scene, name).expect("the path is there");
         let errors = match state.errors(name, settings.display_white) {
             Some(errors) => errors.to_vec(),
             None => {

@@ -1,236 +1,197 @@
-//! Places records where no record covers a surface yet. Radii follow the harmonic mean distance of visible surfaces
-//! (Ward et al. 1988) and are limited by those of neighbours (Krivanek et al. 2006, "Making Radiance and Irradiance
-//! Caching Practical: Adaptive Caching and Neighbor Clamping"; also Krivanek and Gautron 2009, "Practical Global
-//! Illumination with Irradiance Caching").
+//! Places records in cells: as fine as the closest view of the path asks for, down to a few pixels, where other surfaces are
+//! close; coarser where the nearest one is far, as irradiance changes over distances in proportion to that (Ward et al. 1988).
 
-use super::gather::{RandomStream, sequence_of};
+use super::candidates::{Candidate, PathProbe};
+use super::finest_view::FinestView;
 use crate::accel::QueryState;
-use crate::irradiance_cache::{IrradianceRecord, IrradianceRecords, OccluderPlanes};
-use crate::material::FeatureMask;
-use crate::math::Ray;
-use crate::sampling::uniform_sphere;
+use crate::integrator::{eye_above, is_obstructed, place_in_cell, sees};
+use crate::irradiance_cache::{CellKey, IrradianceRecord};
 use crate::scene::{Scene, SurfacePoint};
+use dashmap::DashMap;
 use rayon::prelude::*;
+use rustc_hash::{FxBuildHasher, FxHashSet};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// The largest number of records, which limits memory to some gigabytes. Surfaces that they do not cover are
 /// gathered for in each frame.
 const MAX_RECORDS: usize = 1 << 21;
 
-/// How densely records are placed.
+/// The largest side of a cell relative to the distance of the nearest surface that rises above its own.
+const RELATIVE_SIDE: f64 = 1.0 / 3.0;
+
+/// The sine of the elevation from which such surfaces count: what is lower sends and takes hardly any light.
+const ELEVATION_SINE: f64 = 0.15;
+
+/// Levels of the smallest and of the largest cells, above that at which a point is seen: sides of 2 to 4, and of 16 to 32
+/// pixels.
+const FINEST: i32 = -2;
+const COARSEST: i32 = 1;
+
+/// How many levels below the smallest cells some stand, where several surfaces share a cell.
+const BELOW: i32 = 4;
+
+/// The validity radius of a record, in sides of its cell.
+const RADIUS: f32 = 1.5;
+
+/// Of records: the largest angle between normals, in radians.
+pub(super) const MAX_ANGLE: f32 = 20_f32.to_radians();
+
+/// The height of a record's eye, in radii.
+const EYE_HEIGHT: f32 = 0.15;
+
+/// Frames whose candidates are found together.
+const BATCH: usize = 8;
+
+/// A record and the surface point where it stands.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub(super) struct Spacing {
-    /// The radius of a record relative to the harmonic mean distance of the surfaces around it: irradiance
-    /// changes in proportion to the inverse of that (Ward et al. 1988).
-    pub(super) relative_radius: f32,
-    /// The largest distance of a surface point from the nearest record, relative to the radius of the record.
-    pub(super) max_distance: f32,
-    /// The angle between normals, in radians, up to which a record is valid.
-    pub(super) max_angle: f32,
-    /// Rays per hemisphere probe.
-    pub(super) probe_rays: u32,
-}
-
-/// A surface point that a record should cover.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Candidate {
+pub(super) struct PlacedRecord {
     pub(super) point: SurfacePoint,
-    /// The smallest radius of a record here, in metres.
-    pub(super) min_radius: f32,
+    pub(super) record: IrradianceRecord,
 }
 
-/// Records as they are placed.
-#[derive(Debug, Serialize, Deserialize)]
-pub(super) struct Placement {
-    spacing: Spacing,
+/// The record of a cell; none if it has no surface. It depends on the scene, the cell and the seed alone.
+fn place(
+    scene: &Scene,
+    cell: &CellKey,
     seed: u32,
-    pub(super) records: IrradianceRecords,
-    /// The surface point of each record.
-    pub(super) points: Vec<SurfacePoint>,
-    /// The harmonic mean distance of the surfaces around each record, in metres.
-    distances: Vec<f32>,
+    query_state: &mut QueryState,
+) -> Option<PlacedRecord> {
+    let point = place_in_cell(scene, cell, seed, query_state)?;
+    let radius = RADIUS * cell.side();
+    Some(PlacedRecord {
+        point,
+        record: IrradianceRecord {
+            position: point.position,
+            normal: point.shading_normal,
+            radius,
+            eye: eye_above(scene, &point, EYE_HEIGHT * radius, query_state),
+            is_obstructed: is_obstructed(scene, &point, radius),
+        },
+    })
 }
 
-/// The surfaces around a point, found by rays over the hemisphere.
-struct Probe {
-    /// Harmonic mean of their distances, in metres.
-    harmonic_mean: f32,
-    /// Hit points and their distances, nearest first.
-    hits: Vec<(SurfacePoint, f32)>,
+/// The record of a cell that a path needs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PlacedCell {
+    pub(super) placed: PlacedRecord,
+    /// How many levels it is above the smallest that the closest view asks for, at most [`MAX_ABOVE`].
+    pub(super) above: u8,
 }
 
-impl Placement {
-    /// Without records.
-    pub(super) fn new(scene: &Scene, spacing: Spacing, seed: u32) -> Placement {
-        Placement {
-            spacing,
-            seed,
-            records: IrradianceRecords::new(scene.bounds(), spacing.max_angle),
-            points: Vec::new(),
-            distances: Vec::new(),
-        }
-    }
+/// The most levels of a cell above the smallest.
+pub(super) const MAX_ABOVE: u8 = (COARSEST - FINEST) as u8;
 
-    /// The median over the records of the harmonic mean distance; none without records.
-    pub(super) fn median_distance(&self) -> Option<f32> {
-        let mut distances = self.distances.clone();
-        distances.sort_by(f32::total_cmp);
-        distances.get(distances.len() / 2).copied()
-    }
+/// The cells that a path needs.
+pub(super) type Cells = BTreeMap<CellKey, PlacedCell>;
 
-    /// The smallest radius of a record; 0 without records.
-    pub(super) fn min_radius(&self) -> f32 {
-        let radii = (0..self.records.len()).map(|index| self.records[index].radius);
-        radii.reduce(f32::min).unwrap_or(0.0)
-    }
+/// Finds the cells for what is seen with a certain number of bounces left.
+pub(super) struct Placement<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) seed: u32,
+    /// Cells are this many levels smaller.
+    pub(super) refinement: i32,
+    pub(super) view: &'a FinestView,
+    records: DashMap<CellKey, Option<PlacedRecord>, FxBuildHasher>,
+}
 
-    fn is_covered(&self, candidate: &Candidate) -> bool {
-        let SurfacePoint {
-            position,
-            shading_normal,
-            ..
-        } = candidate.point;
-        self.records
-            .covers(position, shading_normal, self.spacing.max_distance)
-    }
-
-    fn uncovered(&self, candidates: &[Candidate]) -> Vec<Candidate> {
-        let candidates = candidates.par_iter();
-        candidates
-            .filter(|c| !self.is_covered(c))
-            .copied()
-            .collect()
-    }
-
-    /// Adds records, in the order of the candidates, until all candidates are covered. Returns candidates for
-    /// secondary records: surfaces around the new records.
-    ///
-    /// Candidates are probed in groups: large enough for all threads, and small enough that few of a group are
-    /// covered by another record of it, which wastes their probe.
-    pub(super) fn place_until_covered(
-        &mut self,
-        scene: &Scene,
-        candidates: &[Candidate],
-    ) -> Vec<Candidate> {
-        let mut hits = Vec::new();
-        let uncovered = self.uncovered(candidates);
-        let mut rest = &uncovered[..];
-        while !rest.is_empty() && self.points.len() < MAX_RECORDS {
-            let count = (self.points.len() / 4).clamp(16, 512).min(rest.len());
-            let (next, later) = rest.split_at(count);
-            let group = self.uncovered(next);
-            let probe = |candidate: &Candidate| self.probe(scene, &candidate.point);
-            let probes: Vec<Probe> = group.par_iter().map(probe).collect();
-            for (candidate, probe) in group.iter().zip(probes) {
-                if !self.is_covered(candidate) {
-                    self.push(candidate, &probe);
-                    hits.extend(probe.secondary());
+impl Placement<'_> {
+    /// The cells of a path, by the number of bounces left less 1.
+    pub(super) fn of_path(
+        probe: &PathProbe,
+        refinement: u32,
+        views: &[FinestView],
+        on_frame: impl Fn() + Sync,
+    ) -> Vec<Cells> {
+        let placements: Vec<Placement> = views
+            .iter()
+            .map(|view| Placement {
+                scene: probe.scene,
+                seed: probe.seed,
+                refinement: refinement as i32,
+                view,
+                records: DashMap::default(),
+            })
+            .collect();
+        let mut cells = vec![Cells::new(); views.len()];
+        let mut visited = vec![FxHashSet::default(); views.len()];
+        for frames in probe.frames_in_order().chunks(BATCH) {
+            let seen: Vec<Vec<Vec<Candidate>>> = frames
+                .par_iter()
+                .map(|&frame| {
+                    on_frame();
+                    probe.candidates(frame)
+                })
+                .collect();
+            for seen in seen {
+                for (index, candidates) in seen.into_iter().enumerate() {
+                    if cells[index].len() < MAX_RECORDS {
+                        let visited = &mut visited[index];
+                        placements[index].add(&candidates, visited, &mut cells[index]);
+                    }
                 }
             }
-            rest = later;
         }
-        hits
+        cells
     }
 
-    /// Adds a record.
-    ///
-    /// Its radius is limited by the nearest surface seen. As the distance of a surface changes from point to point
-    /// by no more than the distance of the points, it is also limited by the radii of neighbours, and theirs by it:
-    /// so surfaces that some probes miss are found by others (neighbour clamping, Krivanek et al. 2006).
-    fn push(&mut self, candidate: &Candidate, probe: &Probe) {
-        let relative_radius = self.spacing.relative_radius;
-        let SurfacePoint {
-            position,
-            shading_normal,
-            ..
-        } = candidate.point;
-        let mut neighbours = Vec::new();
-        self.records
-            .visit(position, shading_normal, 1.0, |index, _| {
-                let distance = (self.records[index].position - position).length();
-                neighbours.push((index, distance));
-            });
-        let nearest = probe.hits.first().map_or(f32::INFINITY, |hit| hit.1);
-        let mut radius = (relative_radius * probe.harmonic_mean).min(nearest);
-        for &(index, distance) in &neighbours {
-            radius = radius.min(self.records[index].radius + relative_radius * distance);
-        }
-        let radius = radius.max(candidate.min_radius);
-        for (index, distance) in neighbours {
-            self.records
-                .shrink(index, radius + relative_radius * distance);
-        }
-        self.records.push(IrradianceRecord {
-            position,
-            normal: shading_normal,
-            radius,
-            occluders: probe.occluders(&candidate.point, radius),
-        });
-        self.points.push(candidate.point);
-        self.distances.push(probe.harmonic_mean);
-    }
-
-    /// Probes the hemisphere with uniform directions, not cosine-weighted: surfaces near the horizon matter, too.
-    fn probe(&self, scene: &Scene, point: &SurfacePoint) -> Probe {
-        let sequence = sequence_of(point, self.seed, RandomStream::Probe, 0);
-        let ray = |index| {
-            let [u, v] = sequence.sample_2d(index, 0);
-            let direction = uniform_sphere(u, v);
-            let is_above = direction.dot(point.geometric_normal) >= 0.0;
-            point.spawn_ray(if is_above { direction } else { -direction })
-        };
-        let rays: Vec<Ray> = (0..self.spacing.probe_rays).map(ray).collect();
-        let mut hits = vec![None; rays.len()];
-        let query_state = &mut QueryState::default();
-        scene.closest_incoherent(&rays, &mut hits, query_state);
-        let seen = rays.iter().zip(&hits);
-        let seen: Vec<_> = seen
-            .filter_map(|(ray, hit)| Some((ray, hit.as_ref()?)))
+    /// Adds the cells of the first candidate in each of the smallest cells.
+    fn add(&self, candidates: &[Candidate], visited: &mut FxHashSet<CellKey>, cells: &mut Cells) {
+        let smallest: Vec<(CellKey, i32)> = candidates
+            .par_iter()
+            .map(|candidate| {
+                let level = self.view.level(candidate) - self.refinement;
+                let point = &candidate.point;
+                let finest = level + FINEST;
+                (CellKey::containing(point.position, point.shading_normal, finest), level)
+            })
             .collect();
-        let inverses: f64 = seen.iter().map(|(_, hit)| 1.0 / hit.t).sum();
-        let harmonic_mean = f64::from(self.spacing.probe_rays) / inverses;
-        // Infinite if all rays leave the scene.
-        let size = scene.bounds().extent().max_element();
-        let hits = seen.iter().map(|(ray, hit)| {
-            let point = scene.surface::<FeatureMask<0>>(ray, hit).point;
-            (point, hit.t as f32)
-        });
-        let mut hits: Vec<(SurfacePoint, f32)> = hits.collect();
-        hits.sort_by(|a, b| a.1.total_cmp(&b.1));
-        Probe {
-            harmonic_mean: (harmonic_mean as f32).min(size),
-            hits,
+        let new: Vec<(&SurfacePoint, i32)> = candidates
+            .iter()
+            .zip(smallest)
+            .filter(|(_, (cell, _))| visited.insert(*cell))
+            .map(|(candidate, (_, level))| (&candidate.point, level))
+            .collect();
+        let found: Vec<(CellKey, PlacedCell)> = new
+            .par_iter()
+            .with_min_len(16)
+            .filter_map(|(point, level)| self.cell_of(point, *level))
+            .collect();
+        for (cell, placed) in found {
+            let known = cells.entry(cell).or_insert(placed);
+            known.above = known.above.max(placed.above);
         }
     }
-}
 
-impl Probe {
-    /// Candidates for secondary records: one in four hits, at all distances, samples well enough what gathered rays
-    /// will hit.
-    fn secondary(&self) -> impl Iterator<Item = Candidate> {
-        self.hits.iter().step_by(4).map(|(point, _)| Candidate {
-            point: *point,
-            min_radius: 0.0,
+    /// The cell whose record covers a point: the largest that its surroundings allow, or a smaller one if several surfaces
+    /// share that.
+    fn cell_of(&self, point: &SurfacePoint, level: i32) -> Option<(CellKey, PlacedCell)> {
+        let (finest, coarsest) = (level + FINEST, level + COARSEST);
+        let query_state = &mut QueryState::default();
+        let largest = f64::from(libm::exp2f(coarsest as f32));
+        let within = largest / RELATIVE_SIDE;
+        let clearance = self.scene.clearance(point, ELEVATION_SINE, within);
+        let side = clearance.map_or(largest, |distance| distance * RELATIVE_SIDE);
+        let start = CellKey::level_of_side(side as f32).clamp(finest, coarsest);
+        (finest - BELOW..=start).rev().find_map(|level| {
+            let cell = CellKey::containing(point.position, point.shading_normal, level);
+            let record = *self
+                .records
+                .entry(cell)
+                .or_insert_with(|| place(self.scene, &cell, self.seed, query_state));
+            let placed = record.filter(|placed| self.covers(&placed.record, point))?;
+            let above = (level - finest).max(0) as u8;
+            Some((cell, PlacedCell { placed, above }))
         })
     }
 
-    /// The planes of the surfaces that a record of this radius at a point must not reach behind.
-    fn occluders(&self, record: &SurfacePoint, radius: f32) -> OccluderPlanes {
-        /// Hits up to this distance, in radii, count: most parts of a surface are nearer than the hit.
-        const MAX_DISTANCE: f32 = 3.0;
-        /// Surfaces whose normals differ by a smaller angle (its cosine) continue the record's own surface.
-        const MAX_COSINE: f32 = 0.8;
-        let mut occluders = OccluderPlanes::default();
-        for (point, distance) in &self.hits {
-            if *distance >= MAX_DISTANCE * radius {
-                break;
-            }
-            let normal = point.geometric_normal;
-            let is_near = (record.position - point.position).dot(normal) < radius;
-            if is_near && normal.dot(record.shading_normal) < MAX_COSINE {
-                occluders.add(point.position, normal, *distance);
-            }
+    fn covers(&self, record: &IrradianceRecord, point: &SurfacePoint) -> bool {
+        let normal_weight = 1.0 / (1.0 - libm::cosf(MAX_ANGLE));
+        let (position, normal) = (point.position, point.shading_normal);
+        if record.weight(position, normal, normal_weight) <= 0.0 {
+            return false;
         }
-        occluders
+        !record.is_doubtful(position, normal)
+            || sees(self.scene, point, record.eye, &mut QueryState::default())
     }
 }

@@ -1,13 +1,14 @@
 //! Indirect diffuse light from the irradiance cache, with a final gather where no record is near.
 
 use super::camera_sample::CameraSample;
-use super::final_gather::{FinalGather, GatherPaths, GatherPoint, gather_for};
+use super::final_gather::{FinalGather, GatherPaths, GatherPoint};
 use super::hit_surfaces::ambient;
+use super::secondary_light::gather_cached;
 use super::whitted::Wavefront;
 use crate::accel::QueryState;
 use crate::irradiance_cache::IrradianceCache;
 use crate::material::Features;
-use crate::scene::SurfaceInteraction;
+use crate::scene::{SurfaceInteraction, SurfacePointPacket};
 use glam::Vec3;
 
 /// Paths of a final gather: few points need one, and every camera sample has its own.
@@ -37,14 +38,26 @@ impl CachedIrradiance<'_> {
         for index in 0..count {
             if let Some(SurfaceInteraction { point, .. }) = surface(index) {
                 indices.push(index);
-                points.push((point.position, point.shading_normal));
+                points.push(point);
             }
         }
+        let scene = self.final_gather.scene();
         let primary = &self.cache.primary[wavefront.bounces_left as usize - 1];
         let mut indirect = vec![Vec3::ZERO; count];
         let mut missed = Vec::new();
-        let kernel = self.final_gather.scene().kernel();
-        let found = primary.mean_radiance(&points, kernel);
+        let places: Vec<(Vec3, Vec3)> = points
+            .iter()
+            .map(|point| (point.position, point.shading_normal))
+            .collect();
+        let blocked = |numbers: &[u32], eye: Vec3| {
+            let mut packet = SurfacePointPacket::default();
+            for &number in numbers {
+                packet.push(points[number as usize]);
+            }
+            let shadow_rays = scene.shadow_rays_to(&packet, eye);
+            scene.occluded_coherent(&shadow_rays, query_state) | !shadow_rays.facing()
+        };
+        let found = primary.mean_radiance(&places, scene.kernel(), blocked);
         for (index, light) in indices.into_iter().zip(found) {
             match light {
                 Some(light) => indirect[index] = light,
@@ -63,7 +76,7 @@ impl CachedIrradiance<'_> {
             })
         };
         let points: Vec<GatherPoint> = missed.iter().filter_map(point).collect();
-        let gathered = gather_for::<F>(
+        let gathered = gather_cached::<F>(
             self.final_gather,
             &points,
             GatherPaths {
@@ -71,7 +84,7 @@ impl CachedIrradiance<'_> {
                 count: GATHER_PATHS,
                 include_sky: false,
             },
-            Some(&self.cache.secondary),
+            &self.cache.secondary,
             query_state,
         );
         for (index, light) in missed.into_iter().zip(gathered) {

@@ -1,13 +1,11 @@
 //! Final gathering: the indirect light at a point by paths over its hemisphere (Reichert 1992; Jensen 2001).
 
-use super::feature_sets::for_each_feature_set;
 use super::hit_surfaces::HitSurfaces;
 use super::light_sampler::LightSampler;
 use super::path_state::{Emission, PathState, Technique};
-use super::path_tracer::{PathTracer, Schedule};
+use super::path_tracer::{CachedLight, PathTracer, Schedule};
 use crate::accel::QueryState;
-use crate::irradiance_cache::SecondaryIrradiance;
-use crate::material::{Bsdf, FeatureSet, Features};
+use crate::material::{Bsdf, Features};
 use crate::math::Ray;
 use crate::sampling::SobolSequence;
 use crate::scene::{Scene, SurfaceInteraction, SurfacePoint};
@@ -53,40 +51,17 @@ impl<'a> FinalGather<'a> {
     pub(super) fn scene(&self) -> &'a Scene {
         self.light_sampler.scene()
     }
-
-    /// The cosine-weighted mean radiance that arrives at points from their hemispheres. Light that comes straight from
-    /// emitters is not part of it.
-    ///
-    /// With a cache, paths end beyond the first bounce where it has records; without one the estimate is unbiased.
-    pub fn gather(
-        &self,
-        points: &[GatherPoint],
-        paths: GatherPaths,
-        cache: Option<&SecondaryIrradiance>,
-        query_state: &mut QueryState,
-    ) -> Vec<Vec3> {
-        let for_features = GATHER[self.scene().features().index()];
-        for_features(self, points, paths, cache, query_state)
-    }
 }
 
-type GatherFor = fn(
-    &FinalGather,
-    &[GatherPoint],
-    GatherPaths,
-    Option<&SecondaryIrradiance>,
-    &mut QueryState,
-) -> Vec<Vec3>;
-
-/// [`FinalGather::gather`] for each set of features.
-static GATHER: [GatherFor; FeatureSet::COUNT] = for_each_feature_set!(gather_for);
-
-/// [`FinalGather::gather`] for the features of the scene.
+/// The cosine-weighted mean radiance that arrives at points from their hemispheres. Light that comes straight from
+/// emitters is not part of it.
+///
+/// With a cache, paths end beyond the first bounce where it knows the light; without one the estimate is unbiased.
 pub(super) fn gather_for<F: Features>(
     final_gather: &FinalGather,
     points: &[GatherPoint],
     gather_paths: GatherPaths,
-    cache: Option<&SecondaryIrradiance>,
+    cache: Option<&dyn CachedLight>,
     query_state: &mut QueryState,
 ) -> Vec<Vec3> {
     /// Reflects all incident light.

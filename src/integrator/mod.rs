@@ -28,6 +28,7 @@
 
 mod cached;
 mod camera_sample;
+mod cell_place;
 mod direct;
 mod feature_sets;
 mod final_gather;
@@ -38,6 +39,7 @@ mod path_state;
 mod path_tracer;
 mod radiance;
 mod sampled_lights;
+mod secondary_light;
 mod settings;
 mod sky_guide;
 mod sky_sampler;
@@ -45,6 +47,7 @@ mod visible_points;
 mod whitted;
 
 pub use camera_sample::CameraSample;
+pub use cell_place::{eye_above, is_obstructed, place_in_cell, sees};
 pub use final_gather::{FinalGather, GatherPaths, GatherPoint};
 pub use light_sampler::LightSampler;
 pub use lighting::Lighting;

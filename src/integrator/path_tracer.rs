@@ -9,11 +9,10 @@ use super::path_state::{Emission, PathState, Technique};
 use super::sampled_lights::{ShadowNumbers, add_sampled_lights, has_sampled_lights};
 use super::sky_sampler::SkySampler;
 use crate::accel::QueryState;
-use crate::irradiance_cache::SecondaryIrradiance;
 use crate::material::Features;
 use crate::math::{Ray, RayDifferential, to_world};
 use crate::sampling::{MixtureChoice, cosine_hemisphere};
-use crate::scene::{Scene, SurfaceInteraction};
+use crate::scene::{Scene, SurfaceInteraction, SurfacePoint};
 use glam::Vec3;
 use std::f32::consts::PI;
 use std::marker::PhantomData;
@@ -23,6 +22,24 @@ const WAVEFRONT_SIZE: usize = 128;
 
 /// The first pair of random numbers for rays from lights, by depth: above the pairs of all depths.
 const LIGHT_DIMENSION_OFFSET: u32 = 1 << 16;
+
+/// The pair of random numbers that choose cached light, by depth.
+const CACHE_DIMENSION_OFFSET: u32 = 1 << 17;
+
+/// Light that ends paths beyond their first diffuse bounce.
+pub(super) trait CachedLight {
+    /// The cosine-weighted mean radiance that arrives at a surface point which a ray of length `distance` has hit, where
+    /// `bounces_left` bounces, at least one, are left; none if it is not known there. Random numbers may choose between
+    /// records.
+    fn mean_radiance(
+        &self,
+        point: &SurfacePoint,
+        bounces_left: u32,
+        distance: f32,
+        numbers: [f32; 2],
+        query_state: &mut QueryState,
+    ) -> Option<Vec3>;
+}
 
 /// A path that continues from another.
 struct SplitPath {
@@ -116,7 +133,7 @@ pub(super) struct PathTracer<'a, F> {
     /// Samples the sky from surfaces that the camera sees; none if paths alone find it.
     pub(super) sky: Option<&'a SkySampler>,
     /// Ends paths beyond the first diffuse bounce where it has records.
-    pub(super) cache: Option<&'a SecondaryIrradiance>,
+    pub(super) cache: Option<&'a dyn CachedLight>,
     pub(super) query_state: &'a mut QueryState,
     pub(super) features: PhantomData<F>,
 }
@@ -296,12 +313,18 @@ impl<F: Features> PathTracer<'_, F> {
 
     /// The cosine-weighted mean radiance that arrives at the end of a path, from the irradiance cache; none if it has
     /// no record there.
-    fn cached_irradiance(&self, path: &PathState, surface: &SurfaceInteraction) -> Option<Vec3> {
+    fn cached_irradiance(
+        &mut self,
+        path: &PathState,
+        surface: &SurfaceInteraction,
+    ) -> Option<Vec3> {
         let cache = self.cache?;
         let point = &surface.point;
         let distance = (point.position - path.ray.origin).length();
         let bounces_left = self.schedule.bounces - path.depth;
-        cache.mean_radiance(point.position, point.shading_normal, bounces_left, distance)
+        let dimension = CACHE_DIMENSION_OFFSET + path.depth;
+        let numbers = path.sequence.sample_2d(path.index, dimension);
+        cache.mean_radiance(point, bounces_left, distance, numbers, self.query_state)
     }
 
     /// Adds the radiance of split paths to that of their parents, which end at the surfaces of `hit`.

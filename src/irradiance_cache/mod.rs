@@ -8,11 +8,13 @@
 //! sky is part of what secondary records hold, and not of primary ones, where shadow rays bring it. Only diffuse reflection uses it: mirrors are traced. Paths have a fixed maximal length, so the value depends on
 //! the bounces left at a point, and each number of bounces left has values of its own.
 //!
-//! Records are clipped by the planes of nearby occluders, so light does not leak through walls. Known limit:
-//! light leaks between parallel surfaces that face the same way and are closer than 20 % of a record's radius.
+//! Records stand in cells of space: where, and what they hold, depends on the scene and the seed, not on the frames that
+//! need them. Light does not pass through walls: where a record's own surface is not all that is near, what is looked up
+//! has to see it.
 //!
 //! Knows nothing of how the values are computed: see `bake`.
 
+mod cell;
 mod irradiance_gradient;
 mod lookup;
 mod octree;
@@ -21,11 +23,14 @@ mod record;
 mod records;
 mod secondary;
 
+pub use cell::CellKey;
 pub use irradiance_gradient::LinearIrradiance;
 pub use primary::PrimaryIrradiance;
-pub use record::{IrradianceRecord, OccluderPlanes};
+pub use record::IrradianceRecord;
 pub use records::IrradianceRecords;
-pub use secondary::SecondaryIrradiance;
+pub use secondary::{SecondaryIrradiance, SecondaryPlace, SecondaryRecord, SecondarySettings};
+
+use std::sync::Arc;
 
 /// The indirect light of a scene, as far as the frames of a camera path need it.
 #[derive(Debug)]
@@ -34,7 +39,7 @@ pub struct IrradianceCache {
     /// One entry per bounce.
     pub primary: Vec<PrimaryIrradiance>,
     /// At surfaces that gathered rays hit.
-    pub secondary: SecondaryIrradiance,
+    pub secondary: Arc<SecondaryIrradiance>,
 }
 
 impl IrradianceCache {
@@ -46,7 +51,7 @@ impl IrradianceCache {
     /// How many records there are, primary and secondary.
     pub fn record_count(&self) -> [usize; 2] {
         let primary = self.primary.iter().map(|primary| primary.records.len());
-        [primary.sum(), self.secondary.records.len()]
+        [primary.sum(), self.secondary.len()]
     }
 
     /// Memory in bytes.

@@ -73,7 +73,7 @@ impl Leaf {
 
 impl Octree {
     /// An empty tree over `bounds`.
-    pub(super) fn new(bounds: Aabb) -> Octree {
+    fn new(bounds: Aabb) -> Octree {
         Octree {
             root: Cube {
                 center: bounds.center(),
@@ -85,8 +85,15 @@ impl Octree {
         }
     }
 
-    /// Adds a box; boxes are numbered from 0 in order of insertion.
-    pub(super) fn insert(&mut self, new: Aabb) {
+    /// A tree of boxes, numbered from 0; leaves list them in this order.
+    pub(super) fn of(bounds: Aabb, boxes: impl Iterator<Item = Aabb>) -> Octree {
+        let mut tree = Octree::new(bounds);
+        boxes.for_each(|new| tree.insert(new));
+        tree
+    }
+
+    /// Adds a box.
+    fn insert(&mut self, new: Aabb) {
         let index = self.boxes.len() as u32;
         self.boxes.push(new);
         self.insert_below(0, self.root, 0, index);
@@ -146,10 +153,29 @@ impl Octree {
         }
     }
 
-    /// The boxes that may contain a point.
-    #[inline]
-    pub(super) fn around(&self, point: Vec3) -> &[u32] {
-        self.boxes(self.leaf(point).node)
+    /// Calls `visitor` with each leaf that overlaps `within` and its boxes.
+    pub(super) fn visit(&self, within: &Aabb, visitor: &mut impl FnMut(u32, &[u32])) {
+        self.visit_below(0, self.root, within, visitor);
+    }
+
+    fn visit_below(
+        &self,
+        node: u32,
+        cube: Cube,
+        within: &Aabb,
+        visitor: &mut impl FnMut(u32, &[u32]),
+    ) {
+        match &self.nodes[node as usize] {
+            Node::Inner(first) => {
+                for child in 0..8 {
+                    let octant = cube.octant(child as usize);
+                    if octant.overlaps(within) {
+                        self.visit_below(first + child, octant, within, visitor);
+                    }
+                }
+            }
+            Node::Leaf(boxes) => visitor(node, boxes),
+        }
     }
 
     /// Memory in bytes.
@@ -175,18 +201,16 @@ mod tests {
             max: Vec3::ONE,
         };
         let mut random = Random::new(4);
-        let mut tree = Octree::new(bounds);
-        let mut boxes = Vec::new();
-        for _ in 0..2000 {
+        let mut new = || {
             let (a, size) = (random.vector(1.0), 0.3 * random.unit());
-            let new = Aabb::of([a, a + random.vector(size)]);
-            tree.insert(new);
-            boxes.push(new);
-        }
+            Aabb::of([a, a + random.vector(size)])
+        };
+        let boxes: Vec<Aabb> = (0..2000).map(|_| new()).collect();
+        let tree = Octree::of(bounds, boxes.iter().copied());
         let mut listed = 0;
         for _ in 0..2000 {
             let point = random.vector(1.0);
-            let around = tree.around(point);
+            let around = tree.boxes(tree.leaf(point).node);
             listed += around.len();
             for (index, b) in (0..).zip(&boxes) {
                 let is_inside = (point.cmpge(b.min) & point.cmple(b.max)).all();
@@ -195,6 +219,10 @@ mod tests {
             let leaf = tree.leaf(point);
             let near = point + random.vector(0.01);
             assert!(!leaf.contains(near) || tree.leaf(near).node == leaf.node);
+            let mut is_visited = false;
+            let around = Aabb::of([point, near]);
+            tree.visit(&around, &mut |node, _| is_visited |= node == leaf.node);
+            assert!(is_visited);
         }
         assert!(listed < 2000 * 100, "{listed}");
     }

@@ -1,7 +1,7 @@
 //! Irradiance at what the camera sees, interpolated for many points at once.
 
 use super::irradiance_gradient::LinearIrradiance;
-use super::lookup::{Interpolate, LANES};
+use super::lookup::{Interpolate, LANES, Sight};
 use super::octree::{Leaf, Octree};
 use super::records::IrradianceRecords;
 use crate::simd::Kernel;
@@ -22,35 +22,48 @@ impl PrimaryIrradiance {
     ///
     /// Weighted mean of the values of all records that cover a point (Shepard 1968, "A Two-Dimensional
     /// Interpolation Function for Irregularly-Spaced Data"; of linear functions as in Renka 1988, "Multivariate
-    /// Interpolation of Large Sets of Scattered Data").
-    pub fn mean_radiance(&self, points: &[(Vec3, Vec3)], kernel: Kernel) -> Vec<Option<Vec3>> {
+    /// Interpolation of Large Sets of Scattered Data"), and that it sees: `blocked` gives the mask of up to sixteen points,
+    /// by their numbers, that do not see a position above a record. It is asked where that is in doubt.
+    pub fn mean_radiance(
+        &self,
+        points: &[(Vec3, Vec3)],
+        kernel: Kernel,
+        mut blocked: impl FnMut(&[u32], Vec3) -> u32,
+    ) -> Vec<Option<Vec3>> {
         let mut values = vec![None; points.len()];
         let tree = self.records.tree();
         for group in groups(tree, points) {
             let of_group = group.points.map(|index| points[index as usize]);
-            let found = kernel.run(Interpolate {
-                points: &of_group,
-                candidates: tree.boxes(group.leaf.node),
-                records: &self.records,
-                values: &self.values,
-            });
-            for (&index, value) in group.points[..group.count].iter().zip(found) {
+            let candidates = tree.boxes(group.leaf.node);
+            let numbers = &group.points[..group.count];
+            let used = u32::MAX >> (u32::BITS - group.count as u32);
+            let mut sight = Vec::new();
+            let found = loop {
+                let mut interpolated = kernel.run(Interpolate {
+                    points: &of_group,
+                    candidates,
+                    records: &self.records,
+                    values: &self.values,
+                    sight: &sight,
+                });
+                interpolated.doubts.retain(|(_, mask)| mask & used != 0);
+                if interpolated.doubts.is_empty() {
+                    break interpolated.values;
+                }
+                sight.resize(candidates.len(), Sight::default());
+                for (place, _) in interpolated.doubts {
+                    let eye = self.records[candidates[place] as usize].eye;
+                    sight[place] = Sight {
+                        asked: u32::MAX,
+                        blocked: blocked(numbers, eye),
+                    };
+                }
+            };
+            for (&index, value) in numbers.iter().zip(found) {
                 values[index as usize] = value;
             }
         }
-        for (value, (position, normal)) in values.iter_mut().zip(points) {
-            if value.is_none() {
-                *value = self.extrapolate(*position, *normal);
-            }
-        }
         values
-    }
-
-    /// The value at a point that lies just outside all records, without gradients.
-    fn extrapolate(&self, position: Vec3, normal: Vec3) -> Option<Vec3> {
-        const SUPPORT_RADIUS: f32 = 2.0;
-        let value = |index: usize| self.values[index].mean_radiance;
-        self.records.mean(position, normal, SUPPORT_RADIUS, value)
     }
 
     /// Memory in bytes.

@@ -1,18 +1,25 @@
 //! One record of the irradiance cache: where it is valid, and its interpolation weight.
 
 use crate::math::Aabb;
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 /// Distances along the normal are scaled by this: what lies above or below is another surface. So the validity
-/// region is an oblate spheroid, and parallel surfaces closer than 1 / `FLATNESS` of the radius share records.
+/// region is an oblate spheroid.
 const FLATNESS: f32 = 5.0;
 
 /// Extra weight of the squared height in the squared distance, which contains it once.
 pub(super) const HEIGHT_WEIGHT: f32 = FLATNESS * FLATNESS - 1.0;
 
+/// Heights of points, in radii, up to which they surely lie on the surface of the record.
+pub(super) const SURE_HEIGHT: f32 = 0.02;
+
+/// A record is not valid where one of less than its radius over this is: that stands closer to other surfaces, from which
+/// the larger one knows nothing.
+pub(super) const MAX_RADIUS_RATIO: f32 = 6.0;
+
 /// A cache record: where irradiance was gathered, and where that value may be used. The value is stored apart.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct IrradianceRecord {
     /// Position in metres, relative to the scene's origin.
     pub position: Vec3,
@@ -20,65 +27,15 @@ pub struct IrradianceRecord {
     pub normal: Vec3,
     /// Validity radius in metres; above 0.
     pub radius: f32,
-    /// Planes that bound its validity.
-    pub occluders: OccluderPlanes,
-}
-
-/// Planes of surfaces close to a record. The record is not valid behind them, so light does not leak through walls.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct OccluderPlanes {
-    /// Normal and offset. Empty, without an allocation, for most records.
-    planes: Vec<Vec4>,
-}
-
-impl OccluderPlanes {
-    /// Further planes are ignored: they are added nearest first.
-    const MAX_PLANES: usize = 4;
-
-    /// Adds the plane through a point at `distance` metres from the record, whose unit normal faces the record,
-    /// unless an equal one is present or the limit is reached.
-    pub fn add(&mut self, point: Vec3, normal: Vec3, distance: f32) {
-        /// Relative to the distance: tolerance of equal planes, and by how much the plane is moved back.
-        const EQUAL: f32 = 0.01;
-        const MARGIN: f32 = 0.001;
-        let is_present = self.planes().iter().any(|plane| {
-            let is_parallel = plane.truncate().dot(normal) > 1.0 - EQUAL * EQUAL;
-            is_parallel && signed_distance(*plane, point).abs() < EQUAL * distance
-        });
-        if !is_present && self.planes.len() < OccluderPlanes::MAX_PLANES {
-            let offset = normal.dot(point) - MARGIN * distance;
-            self.planes.push(normal.extend(-offset));
-        }
-    }
-
-    /// The planes (n, d): valid points p have n · p + d >= 0.
-    #[inline]
-    pub(super) fn planes(&self) -> &[Vec4] {
-        &self.planes
-    }
-
-    /// Heap memory in bytes.
-    pub(super) fn memory(&self) -> usize {
-        size_of_val(self.planes())
-    }
-
-    #[inline]
-    fn occlude(&self, position: Vec3) -> bool {
-        self.planes()
-            .iter()
-            .any(|plane| signed_distance(*plane, position) < 0.0)
-    }
-}
-
-/// Signed distance of a point from a plane; negative behind it.
-#[inline]
-fn signed_distance(plane: Vec4, point: Vec3) -> f32 {
-    plane.x * point.x + plane.y * point.y + plane.z * point.z + plane.w
+    /// A point above the record: what sees it sees the record.
+    pub eye: Vec3,
+    /// Whether other surfaces are so close that points within the radius may lie behind them.
+    pub is_obstructed: bool,
 }
 
 impl IrradianceRecord {
     /// Squared distance of a surface point in units of the radius, plus `normal_weight` (1 - cos) for the angle
-    /// between the normals. Ignores occluders.
+    /// between the normals.
     #[inline]
     fn distance_squared(&self, position: Vec3, normal: Vec3, normal_weight: f32) -> f32 {
         let offset = position - self.position;
@@ -87,23 +44,26 @@ impl IrradianceRecord {
         squared / (self.radius * self.radius) + (1.0 - normal.dot(self.normal)) * normal_weight
     }
 
-    /// Interpolation weight at a surface point: falls smoothly to 0 at `support_radius`, in units of the record's
-    /// radius, and is 0 behind occluders. Smaller records, which stand where irradiance changes fast, weigh more.
+    /// Interpolation weight at a surface point: falls smoothly to 0 at the radius. Of overlapping records the smaller ones,
+    /// which stand where irradiance changes fast, decide. Whether the point sees the record is another question: see
+    /// [`IrradianceRecord::is_doubtful`].
     #[inline]
-    pub fn weight(
-        &self,
-        position: Vec3,
-        normal: Vec3,
-        normal_weight: f32,
-        support_radius: f32,
-    ) -> f32 {
-        let squared = self.distance_squared(position, normal, normal_weight);
-        let rest = support_radius * support_radius - squared;
-        if rest > 0.0 && !self.occluders.occlude(position) {
-            rest * rest / (self.radius * self.radius)
-        } else {
-            0.0
-        }
+    pub fn weight(&self, position: Vec3, normal: Vec3, normal_weight: f32) -> f32 {
+        let rest = (1.0 - self.distance_squared(position, normal, normal_weight)).max(0.0);
+        let scale = 1.0 / (self.radius * self.radius);
+        rest * rest * scale * scale
+    }
+
+    /// Whether a point within the radius may be on another surface, or behind one: then it has to see the eye.
+    #[inline]
+    pub fn is_doubtful(&self, position: Vec3, normal: Vec3) -> bool {
+        let offset = position - self.position;
+        let height = offset.dot(self.normal).abs();
+        let cos = normal.dot(self.normal);
+        // Curved surfaces fall below the tangent plane by half of that.
+        let turned = (1.0 - cos * cos).max(0.0) * offset.length_squared();
+        let sure = SURE_HEIGHT * self.radius;
+        self.is_obstructed || height * height > sure * sure + turned
     }
 
     /// Bounds of all points within the radius.
@@ -124,24 +84,29 @@ mod tests {
     use super::*;
     use crate::sampling::Random;
 
+    fn record(position: Vec3, normal: Vec3, radius: f32) -> IrradianceRecord {
+        IrradianceRecord {
+            position,
+            normal,
+            radius,
+            eye: position,
+            is_obstructed: false,
+        }
+    }
+
     #[test]
     fn points_within_the_radius_are_within_the_bounds() {
         let mut random = Random::new(3);
         let mut inside = 0;
         for _ in 0..20_000 {
             let normal = random.vector(1.0).normalize();
-            let record = IrradianceRecord {
-                position: random.vector(5.0),
-                normal,
-                radius: 0.5,
-                occluders: OccluderPlanes::default(),
-            };
+            let record = record(random.vector(5.0), normal, 0.5);
             let point = record.position + random.vector(0.5);
             if record.distance_squared(point, normal, 1.0) < 1.0 {
                 inside += 1;
                 let bounds = record.bounds();
                 assert!((point.cmpge(bounds.min) & point.cmple(bounds.max)).all());
-                assert!(record.weight(point, normal, 1.0, 1.0) > 0.0);
+                assert!(record.weight(point, normal, 1.0) > 0.0);
             }
         }
         assert!(inside > 1000);
@@ -149,42 +114,30 @@ mod tests {
 
     #[test]
     fn distances_by_hand() {
-        let record = IrradianceRecord {
-            position: Vec3::ONE,
-            normal: Vec3::Y,
-            radius: 2.0,
-            occluders: OccluderPlanes::default(),
-        };
+        let record = record(Vec3::ONE, Vec3::Y, 2.0);
         let distance =
             |offset: Vec3, normal: Vec3| record.distance_squared(Vec3::ONE + offset, normal, 0.5);
         assert_eq!(distance(Vec3::X, Vec3::Y), 0.25);
         assert!((distance(0.2 * Vec3::Y, Vec3::Y) - 0.25).abs() < 1e-6);
         assert_eq!(distance(Vec3::ZERO, Vec3::X), 0.5);
-        assert_eq!(
-            record.weight(Vec3::ONE + 2.0 * Vec3::X, Vec3::Y, 0.5, 1.0),
-            0.0
-        );
+        assert_eq!(record.weight(Vec3::ONE + 2.0 * Vec3::X, Vec3::Y, 0.5), 0.0);
     }
 
+    /// Points of a sphere are on the surface of a record on it; those of a parallel plate are in doubt.
     #[test]
-    fn weights_are_zero_behind_occluders() {
-        let mut occluders = OccluderPlanes::default();
-        for _ in 0..9 {
-            occluders.add(Vec3::new(0.5, 1.0, 0.0), Vec3::NEG_X, 0.5);
+    fn doubt_by_hand() {
+        let record = record(Vec3::ZERO, Vec3::Y, 0.3);
+        for angle in [0.0_f32, 0.1, 0.2, 0.3] {
+            let normal = Vec3::new(angle.sin(), angle.cos(), 0.0);
+            assert!(!record.is_doubtful(normal - Vec3::Y, normal));
+            assert!(!record.is_doubtful(Vec3::Y - normal, normal));
         }
-        assert_eq!(occluders.planes().len(), 1);
-        occluders.add(Vec3::new(0.0, 0.0, -0.7), Vec3::Z, 0.7);
-        let record = IrradianceRecord {
-            position: Vec3::ZERO,
-            normal: Vec3::Y,
-            radius: 2.0,
-            occluders,
+        assert!(!record.is_doubtful(Vec3::new(0.1, 0.005, 0.0), Vec3::Y));
+        assert!(record.is_doubtful(Vec3::new(0.1, -0.01, 0.0), Vec3::Y));
+        let obstructed = IrradianceRecord {
+            is_obstructed: true,
+            ..record
         };
-        let weight = |x: f32, z: f32| record.weight(Vec3::new(x, 0.0, z), Vec3::Y, 1.0, 1.0);
-        assert!(weight(0.49, 0.0) > 0.0 && weight(-1.0, -0.69) > 0.0);
-        // On the occluder.
-        assert!(weight(0.5, 1.0) > 0.0);
-        assert_eq!(weight(0.51, 0.0), 0.0);
-        assert_eq!(weight(-1.0, -0.71), 0.0);
+        assert!(obstructed.is_doubtful(Vec3::ZERO, Vec3::Y));
     }
 }

@@ -4,67 +4,37 @@ use super::octree::Octree;
 use super::record::IrradianceRecord;
 use crate::math::Aabb;
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
 use std::ops::Index;
 
-/// Records, numbered from 0, and an octree over their bounds.
-#[derive(Debug, Serialize, Deserialize)]
-#[serde(from = "StoredRecords")]
+/// Records, numbered from 0 with growing radii, and an octree over their bounds.
+#[derive(Debug)]
 pub struct IrradianceRecords {
     list: Vec<IrradianceRecord>,
-    #[serde(skip_serializing)]
     tree: Octree,
-    /// Bounds of all points of the scene.
-    bounds: Aabb,
     /// Weight of the angle between normals: see [`IrradianceRecord::weight`].
     normal_weight: f32,
 }
 
 impl IrradianceRecords {
-    /// No records yet, of a scene with these bounds. A record is valid up to an angle of `max_angle` radians, above
-    /// 0, between the normals.
-    pub fn new(bounds: Aabb, max_angle: f32) -> IrradianceRecords {
-        IrradianceRecords::of(bounds, 1.0 / (1.0 - libm::cosf(max_angle)), [])
-    }
-
-    fn of(
+    /// The records of a scene with these bounds, with growing radii and those of one radius in the order of the tree; and
+    /// the number that each had in the list. A record is valid up to an angle of `max_angle` radians, above 0, between the
+    /// normals.
+    pub fn new(
         bounds: Aabb,
-        normal_weight: f32,
-        list: impl IntoIterator<Item = IrradianceRecord>,
-    ) -> IrradianceRecords {
-        let mut records = IrradianceRecords {
-            list: Vec::new(),
-            tree: Octree::new(bounds),
-            bounds,
-            normal_weight,
+        max_angle: f32,
+        list: Vec<IrradianceRecord>,
+    ) -> (IrradianceRecords, Vec<usize>) {
+        let mut order: Vec<usize> = (0..list.len()).collect();
+        let tree = Octree::of(bounds, list.iter().map(IrradianceRecord::bounds));
+        let leaf = |index: usize| tree.leaf(list[index].position).node;
+        order.sort_by_cached_key(|&index| (list[index].radius.to_bits(), leaf(index), index));
+        let list: Vec<IrradianceRecord> = order.iter().map(|&index| list[index]).collect();
+        let records = IrradianceRecords {
+            tree: Octree::of(bounds, list.iter().map(IrradianceRecord::bounds)),
+            list,
+            normal_weight: 1.0 / (1.0 - libm::cosf(max_angle)),
         };
-        list.into_iter().for_each(|record| records.push(record));
-        records
-    }
-
-    /// Adds a record.
-    pub fn push(&mut self, record: IrradianceRecord) {
-        self.tree.insert(record.bounds());
-        self.list.push(record);
-    }
-
-    /// Limits the radius of a record to `radius`.
-    pub fn shrink(&mut self, index: usize, radius: f32) {
-        let record = &mut self.list[index];
-        record.radius = record.radius.min(radius);
-    }
-
-    /// The same records with tight bounds, sorted by leaf for locality; and the old number of each new record.
-    pub fn compacted(&self) -> (IrradianceRecords, Vec<usize>) {
-        let tight =
-            IrradianceRecords::of(self.bounds, self.normal_weight, self.list.iter().cloned());
-        let mut order: Vec<usize> = (0..self.list.len()).collect();
-        order.sort_by_cached_key(|&index| tight.tree.leaf(self[index].position).node);
-        let list = order.iter().map(|&index| self[index].clone());
-        (
-            IrradianceRecords::of(self.bounds, self.normal_weight, list),
-            order,
-        )
+        (records, order)
     }
 
     /// The number of records.
@@ -77,6 +47,11 @@ impl IrradianceRecords {
         self.list.is_empty()
     }
 
+    /// The records.
+    pub fn iter(&self) -> impl Iterator<Item = &IrradianceRecord> {
+        self.list.iter()
+    }
+
     pub(super) fn tree(&self) -> &Octree {
         &self.tree
     }
@@ -85,54 +60,27 @@ impl IrradianceRecords {
         self.normal_weight
     }
 
-    /// Calls `visitor` with the number and the weight of each record that covers a point. With a `support_radius`
-    /// above 1, in units of a record's radius, only records that overlap the point's leaf are visited.
-    #[inline]
-    pub fn visit(
-        &self,
-        position: Vec3,
-        normal: Vec3,
-        support_radius: f32,
-        mut visitor: impl FnMut(usize, f32),
-    ) {
-        for &index in self.tree.around(position) {
-            let record = &self.list[index as usize];
-            let weight = record.weight(position, normal, self.normal_weight, support_radius);
-            if weight > 0.0 {
-                visitor(index as usize, weight);
+    /// Calls `visitor` with the number of each record within a distance of a point, in metres.
+    pub fn visit_within(&self, position: Vec3, distance: f32, mut visitor: impl FnMut(usize)) {
+        let within = Aabb {
+            min: position - distance,
+            max: position + distance,
+        };
+        self.tree.visit(&within, &mut |leaf, boxes| {
+            for &index in boxes {
+                // Of the leaves that list it, that of its position.
+                let index = index as usize;
+                let at = self.list[index].position;
+                if at.distance(position) <= distance && self.tree.leaf(at).node == leaf {
+                    visitor(index);
+                }
             }
-        }
-    }
-
-    /// Weighted mean of a value per record over the records of [`IrradianceRecords::visit`]; none if there are none.
-    #[inline]
-    pub(super) fn mean(
-        &self,
-        position: Vec3,
-        normal: Vec3,
-        support_radius: f32,
-        value: impl Fn(usize) -> Vec3,
-    ) -> Option<Vec3> {
-        let (mut sum, mut weights) = (Vec3::ZERO, 0.0);
-        self.visit(position, normal, support_radius, |index, weight| {
-            sum += weight * value(index);
-            weights += weight;
         });
-        (weights > 0.0).then(|| sum / weights)
-    }
-
-    /// Whether a point lies within `support_radius`, in units of a record's radius, of any record.
-    pub fn covers(&self, position: Vec3, normal: Vec3, support_radius: f32) -> bool {
-        self.tree.around(position).iter().any(|&index| {
-            let record = &self.list[index as usize];
-            record.weight(position, normal, self.normal_weight, support_radius) > 0.0
-        })
     }
 
     /// Memory in bytes.
     pub fn memory(&self) -> usize {
-        let occluders = self.list.iter().map(|record| record.occluders.memory());
-        size_of_val(&*self.list) + occluders.sum::<usize>() + self.tree.memory()
+        size_of_val(&*self.list) + self.tree.memory()
     }
 }
 
@@ -141,25 +89,5 @@ impl Index<usize> for IrradianceRecords {
 
     fn index(&self, index: usize) -> &IrradianceRecord {
         &self.list[index]
-    }
-}
-
-/// What is stored of [`IrradianceRecords`]; the octree is rebuilt.
-#[derive(Deserialize)]
-struct StoredRecords {
-    list: Vec<IrradianceRecord>,
-    bounds: Aabb,
-    normal_weight: f32,
-}
-
-impl From<StoredRecords> for IrradianceRecords {
-    fn from(
-        StoredRecords {
-            list,
-            bounds,
-            normal_weight,
-        }: StoredRecords,
-    ) -> IrradianceRecords {
-        IrradianceRecords::of(bounds, normal_weight, list)
     }
 }

@@ -71,7 +71,7 @@ impl OpenedCache {
         for build in &options.accepted_builds {
             let cache = of_build(file, build);
             if let Ok(Some(found)) = cache.read(false)
-                && (!is_own || found.camera_paths() == [path_hash.as_str()])
+                && (!is_own || found.camera_paths().eq([path_hash.as_str()]))
             {
                 return Ok(opened(Some(cache), Some(found), build));
             }
@@ -90,7 +90,7 @@ impl OpenedCache {
             }
             found => found?,
         };
-        let found = found.filter(|found| !is_own || found.camera_paths() == [path_hash.as_str()]);
+        let found = found.filter(|found| !is_own || found.camera_paths().eq([path_hash.as_str()]));
         Ok(opened(Some(cache), found, BUILD))
     }
 
@@ -98,7 +98,7 @@ impl OpenedCache {
     /// and in order, and the build that began it, if it is another one.
     pub fn identity(&self) -> CacheIdentity {
         CacheIdentity {
-            paths: with_path(paths_of(self.found.as_ref()), &self.path_hash),
+            paths: with_path(&paths_of(self.found.as_ref()), &self.path_hash),
             other_build: (self.build != BUILD).then(|| self.build.clone()),
         }
     }
@@ -185,8 +185,9 @@ impl OpenedCache {
 }
 
 /// The hashes of the paths that a cache is baked for, in order.
-fn paths_of(state: Option<&BakeState>) -> &[String] {
-    state.map_or(&[], BakeState::camera_paths)
+fn paths_of(state: Option<&BakeState>) -> Vec<String> {
+    let names = |state: &BakeState| state.camera_paths().map(str::to_owned).collect();
+    state.map_or(Vec::new(), names)
 }
 
 /// The paths of a cache when it is baked for this one, too.
@@ -223,7 +224,7 @@ mod tests {
         };
         let none = open(&["older"]).expect("no file yet");
         assert!(none.found.is_none());
-        let state = BakeState::new(&inputs.scene.scene, 2, 0, 0);
+        let state = BakeState::new(2, 0, 0);
         let older = CacheFile::new(&file, cache_hash(&inputs, &settings, "older"));
         older
             .finish(older.begin().expect("can be written"), &state)

@@ -3,8 +3,8 @@
 use super::emitters::Emitters;
 use super::mesh_material::MeshMaterial;
 use super::shadow_packet::ShadowPacket;
-use super::surface_point::SurfacePointPacket;
-use crate::accel::{Bvh, QueryState};
+use super::surface_point::{SurfacePoint, SurfacePointPacket};
+use crate::accel::{Bvh, ClearanceCone, QueryState};
 use crate::geometry::{Hit, Mesh, Sphere, VertexIndices};
 use crate::light::{PointLight, Sky, Sun};
 use crate::material::{FeatureSet, Material};
@@ -57,6 +57,11 @@ impl Scene {
         self.bvh.closest(ray, query_state)
     }
 
+    /// Whether a ray hits anything.
+    pub fn occluded(&self, ray: &Ray, query_state: &mut QueryState) -> bool {
+        self.bvh.occluded(ray, query_state)
+    }
+
     /// The closest hit of each ray, or none; fast for coherent rays.
     pub fn closest_coherent(
         &self,
@@ -101,6 +106,19 @@ impl Scene {
     /// `within`; in metres.
     pub fn closest_point_distance(&self, point: DVec3, within: f64) -> Option<f64> {
         self.bvh.closest_point_distance(point - self.origin, within)
+    }
+
+    /// A lower bound of the distance, in metres, from a surface point to the nearest surface that rises above its tangent
+    /// plane, at an elevation of at least this sine; none if that is not below `within`.
+    pub fn clearance(&self, point: &SurfacePoint, sine: f64, within: f64) -> Option<f64> {
+        let cone = ClearanceCone {
+            point: point.position.as_dvec3(),
+            normal: point.geometric_normal.as_dvec3(),
+            sine,
+            // The rounding error of the position, and as much of the vertices.
+            tolerance: 2.0 * f64::from(point.offset),
+        };
+        self.bvh.clearance(&cone, within)
     }
 
     /// The instruction set of ray queries, irradiance lookups and shading.

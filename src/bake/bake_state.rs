@@ -2,9 +2,9 @@
 
 use super::candidates::PathProbe;
 use super::finest_view::FinestView;
-use super::fit_gradients::{GatheredValue, fit_gradients};
+use super::fit_gradients::{Fit, GatheredValue, fit_gradients};
 use super::gather::{GatherPass, GatherSettings};
-use super::placement::{Cells, MAX_ABOVE, MAX_ANGLE, PlacedRecord, Placement};
+use super::placement::{MAX_ABOVE, MAX_ANGLE, PlacedCell, PlacedRecord, Placement};
 use crate::camera::CameraPath;
 use crate::integrator::FinalGather;
 use crate::irradiance_cache::{
@@ -74,8 +74,8 @@ struct RecordKey {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct GatheredRecord {
     placed: PlacedRecord,
-    /// E / π in W/(sr m²).
-    mean_radiance: Vec3,
+    /// E / π in W/(sr m²), by each half of the paths.
+    halves: [Vec3; 2],
 }
 
 /// What the frames of a camera path look up.
@@ -149,31 +149,15 @@ impl BakeState {
     pub fn irradiance_cache(&self, scene: &Scene, name: &str) -> Option<IrradianceCache> {
         let path = self.path(name)?;
         let light = self.light(path.settings)?;
-        let primary = |bounces_left: u32| {
-            let of_bounce = |key: &&RecordKey| u32::from(key.bounces_left) == bounces_left;
-            let keys: Vec<&RecordKey> = path.records.iter().filter(of_bounce).collect();
-            let gathered = |key: &&RecordKey| light.primary[key];
-            let list = keys.iter().map(|key| gathered(key).placed.record).collect();
-            let (records, order) = IrradianceRecords::new(scene.bounds(), MAX_ANGLE, list);
-            let value = |&index: &usize| {
-                let GatheredRecord {
-                    placed,
-                    mean_radiance,
-                } = gathered(&keys[index]);
-                GatheredValue {
-                    point: placed.point,
-                    mean_radiance,
-                    paths: path.settings.paths << keys[index].paths,
-                }
-            };
-            let values: Vec<GatheredValue> = order.iter().map(value).collect();
+        let primary = |bounces_left: u8| {
+            let (records, fits) = light.fits(scene, bounces_left, &path.records);
             PrimaryIrradiance {
-                values: fit_gradients(scene, &records, &values),
+                values: fits.iter().map(|fit| fit.linear).collect(),
                 records,
             }
         };
         Some(IrradianceCache {
-            primary: (1..=self.bounces).map(primary).collect(),
+            primary: (1..=self.bounces as u8).map(primary).collect(),
             secondary: light.secondary.clone(),
         })
     }
@@ -188,72 +172,8 @@ impl BakeState {
         listener: Listener,
         reserve: &mut impl FnMut(u64) -> Result<(), E>,
     ) -> Result<(), E> {
-        let cells = self.place(scene, path, size, listener);
-        listener(PLACED, "secondary records");
-        let mut records: Vec<(RecordKey, PlacedRecord)> = Vec::new();
-        for (bounces_left, cells) in (1..).zip(&cells) {
-            records.extend(cells.iter().map(|(&cell, placed)| {
-                let key = RecordKey {
-                    bounces_left,
-                    paths: placed.above.min(MAX_ABOVE),
-                    cell,
-                };
-                (key, placed.placed)
-            }));
-        }
-        let final_gather = FinalGather::new(scene);
-        let seen_directly: Vec<(CellKey, PlacedRecord)> = cells
-            .last()
-            .into_iter()
-            .flatten()
-            .map(|(&cell, placed)| (cell, placed.placed))
-            .collect();
-        let settings = GatherSettings::for_records(
-            &final_gather,
-            scene,
-            &seen_directly,
-            self.bounces,
-            self.seed,
-            self.refinement_level,
-        );
-        let light = match self.lights.iter().position(|l| l.settings == settings) {
-            Some(index) => index,
-            None => {
-                let bounces = self.bounces.saturating_sub(1);
-                let secondary = SecondaryIrradiance::new(settings.secondary, bounces);
-                self.lights.push(GatheredLight {
-                    settings,
-                    secondary: Arc::new(secondary),
-                    primary: BTreeMap::new(),
-                });
-                self.lights.len() - 1
-            }
-        };
-        let path_records = PathRecords {
-            name: name.to_owned(),
-            settings,
-            records: records.iter().map(|(key, _)| *key).collect(),
-            display_white: 0.0,
-            errors: None,
-        };
-        records.retain(|(key, _)| !self.lights[light].primary.contains_key(key));
-        reserve(self.stored_bytes(&path_records, records.len(), path))?;
-        self.gather(&final_gather, light, &mut records, listener);
-        self.paths.push(path_records);
-        Ok(())
-    }
-
-    /// The cells that all frames need.
-    fn place(
-        &self,
-        scene: &Scene,
-        path: &CameraPath,
-        size: (u32, u32),
-        listener: Listener,
-    ) -> Vec<Cells> {
-        if self.bounces == 0 {
-            return Vec::new();
-        }
+        /// How often records are added where the first ones turn out to be too far apart.
+        const ROUNDS: u32 = 4;
         let probe = PathProbe {
             scene,
             path,
@@ -263,11 +183,74 @@ impl BakeState {
         };
         let frames = path.timeline().frame_count() as usize;
         let seen = counter(frames, |part| listener(SEEN * part, "views"));
-        let views = FinestView::of(&probe, seen);
+        let views = match self.bounces {
+            0 => Vec::new(),
+            _ => FinestView::of(&probe, seen),
+        };
         let placed = counter(frames, |part| {
             listener(SEEN + (PLACED - SEEN) * part, "primary records");
         });
-        Placement::of_path(&probe, self.refinement_level, &views, placed)
+        let mut placements = Placement::of_path(&probe, self.refinement_level, &views, placed);
+        let final_gather = FinalGather::new(scene);
+        let directly = placements.last().map(|placement| &placement.cells);
+        let settings = GatherSettings::for_records(
+            &final_gather,
+            scene,
+            &directly.into_iter().flatten().map(|(&cell, placed)| (cell, placed.placed)).collect::<Vec<_>>(),
+            self.bounces,
+            self.seed,
+            self.refinement_level,
+        );
+        let light = self.light_of(settings);
+        let mut progress = PLACED;
+        for round in 0..=ROUNDS {
+            let records = records_of(&placements);
+            let missing = |(key, _): &&(RecordKey, PlacedRecord)| {
+                !self.lights[light].primary.contains_key(key)
+            };
+            let mut new: Vec<_> = records.iter().filter(missing).copied().collect();
+            if round == 0 {
+                reserve(self.stored_bytes(records.len(), new.len(), path))?;
+            }
+            // Later rounds are mostly shorter.
+            let from = progress;
+            progress = 0.5 * (from + GATHERED);
+            let on_record = counter(new.len(), |part| {
+                listener(from + (progress - from) * part, "irradiance");
+            });
+            self.gather(&final_gather, light, &mut new, &on_record);
+            let keys = records.iter().map(|(key, _)| *key).collect();
+            if new.is_empty() || round == ROUNDS {
+                self.paths.push(PathRecords {
+                    name: name.to_owned(),
+                    settings,
+                    records: keys,
+                    display_white: 0.0,
+                    errors: None,
+                });
+                break;
+            }
+            for (bounces_left, placement) in (1..).zip(&mut placements) {
+                let (records, fits) = self.lights[light].fits(scene, bounces_left, &keys);
+                placement.refine(&records, |index| fits[index].is_coarse);
+            }
+        }
+        Ok(())
+    }
+
+    /// The index of what is gathered with these settings.
+    fn light_of(&mut self, settings: GatherSettings) -> usize {
+        let known = self.lights.iter().position(|light| light.settings == settings);
+        known.unwrap_or_else(|| {
+            let bounces = self.bounces.saturating_sub(1);
+            let secondary = SecondaryIrradiance::new(settings.secondary, bounces);
+            self.lights.push(GatheredLight {
+                settings,
+                secondary: Arc::new(secondary),
+                primary: BTreeMap::new(),
+            });
+            self.lights.len() - 1
+        })
     }
 
     /// Gathers the values of new primary records.
@@ -276,14 +259,10 @@ impl BakeState {
         final_gather: &FinalGather,
         light: usize,
         records: &mut [(RecordKey, PlacedRecord)],
-        listener: Listener,
+        on_record: &(dyn Fn() + Sync),
     ) {
         let seed = self.seed;
         let light = &mut self.lights[light];
-        let on_record = counter(records.len(), |part| {
-            let progress = PLACED + (GATHERED - PLACED) * part;
-            listener(progress, "irradiance");
-        });
         // Those of as many paths together.
         records.sort_by_key(|(key, _)| *key);
         for group in records.chunk_by(|(a, _), (b, _)| (a.bounces_left, a.paths) == (b.bounces_left, b.paths)) {
@@ -296,12 +275,12 @@ impl BakeState {
             };
             let points: Vec<_> = group.iter().map(|(key, placed)| (key.cell, *placed)).collect();
             let paths = light.settings.paths << key.paths;
-            let gathered = pass.mean_radiance(&points, paths, 0, &on_record);
+            let gathered = pass.halves(&points, paths, on_record);
             let gathered = group.iter().zip(gathered);
-            light.primary.extend(gathered.map(|((key, placed), mean_radiance)| {
+            light.primary.extend(gathered.map(|((key, placed), halves)| {
                 let record = GatheredRecord {
                     placed: *placed,
-                    mean_radiance,
+                    halves,
                 };
                 (*key, record)
             }));
@@ -309,14 +288,56 @@ impl BakeState {
     }
 
     /// Bytes of the state in a file when a path's new records are gathered and its errors are measured.
-    fn stored_bytes(&self, path: &PathRecords, new: usize, camera_path: &CameraPath) -> u64 {
-        let size = |value: Result<usize, postcard::Error>| value.expect("plain data");
-        let now = size(postcard::serialize_with_flavor(self, Size::default()));
-        let records = size(postcard::serialize_with_flavor(path, Size::default()));
+    fn stored_bytes(&self, records: usize, new: usize, camera_path: &CameraPath) -> u64 {
+        let now = postcard::serialize_with_flavor(self, Size::default()).expect("plain data");
+        let records = records * size_of::<RecordKey>();
         let values = new * (size_of::<RecordKey>() + size_of::<GatheredRecord>());
         let errors = camera_path.timeline().frame_count() as usize * size_of::<ErrorEstimate>();
         // Lengths, and about as many secondary records as there are in a room.
         const REST: usize = 1 << 22;
         (now + records + values + errors + REST) as u64
+    }
+}
+
+/// The records of the cells of a path, by the number of bounces left less 1.
+fn records_of(placements: &[Placement]) -> Vec<(RecordKey, PlacedRecord)> {
+    let of_bounce = |(bounces_left, placement): (u8, &'_ Placement)| {
+        let record = move |(&cell, placed): (&CellKey, &PlacedCell)| {
+            let key = RecordKey {
+                bounces_left,
+                paths: placed.above.min(MAX_ABOVE),
+                cell,
+            };
+            (key, placed.placed)
+        };
+        placement.cells.iter().map(record).collect::<Vec<_>>()
+    };
+    (1..).zip(placements).flat_map(of_bounce).collect()
+}
+
+impl GatheredLight {
+    /// The records among `keys` with a certain number of bounces left, and what is fitted around each.
+    fn fits(
+        &self,
+        scene: &Scene,
+        bounces_left: u8,
+        keys: &[RecordKey],
+    ) -> (IrradianceRecords, Vec<Fit>) {
+        let keys: Vec<&RecordKey> = keys.iter().filter(|key| key.bounces_left == bounces_left).collect();
+        let list = keys.iter().map(|key| self.primary[key].placed.record).collect();
+        let (records, order) = IrradianceRecords::new(scene.bounds(), MAX_ANGLE, list);
+        let value = |&index: &usize| {
+            let key = keys[index];
+            let GatheredRecord { placed, halves: [a, b] } = self.primary[key];
+            GatheredValue {
+                point: placed.point,
+                mean_radiance: 0.5 * (a + b),
+                variance: 0.25 * (a - b).element_sum().powi(2),
+                paths: self.settings.paths << key.paths,
+            }
+        };
+        let values: Vec<GatheredValue> = order.iter().map(value).collect();
+        let fits = fit_gradients(scene, &records, &values);
+        (records, fits)
     }
 }

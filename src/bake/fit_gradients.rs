@@ -1,99 +1,196 @@
-//! Fits a linear function to the values around each record. This gives the irradiance gradients of Ward and Heckbert
+//! Fits a quadratic function to the values around each record. This gives the irradiance gradients of Ward and Heckbert
 //! 1992 and averages the noise of neighbours (weighted least squares, as the nodal functions of Renka 1988,
-//! "Multivariate Interpolation of Large Sets of Scattered Data").
+//! "Multivariate Interpolation of Large Sets of Scattered Data"). How many neighbours is decided by the values: as many as
+//! agree with fewer, within their noise (Lepski 1990, "On a Problem of Adaptive Estimation in Gaussian White Noise").
 
+use super::least_squares::{COEFFICIENTS, LeastSquares};
+use super::neighbours::Neighbours;
 use super::placement::MAX_ANGLE;
 use crate::accel::QueryState;
 use crate::integrator::sees;
 use crate::irradiance_cache::{IrradianceRecord, IrradianceRecords, LinearIrradiance};
 use crate::math::to_world;
 use crate::scene::{Scene, SurfacePoint};
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-/// Ridge regularisation of the gradient, in units of the radius, relative to the sum of the weights.
-const REGULARIZATION: f64 = 0.005;
+/// How far neighbours are, in radii of the record, from few to many.
+const REACHES: [f32; 3] = [1.6, 2.6, 4.0];
 
-/// How far neighbours are, in radii of the record.
-const REACH: f32 = 1.5;
+/// Neighbours whose radii differ by up to this factor count.
+const MAX_RATIO: f32 = 2.1;
 
-/// Neighbours of up to this many times the radius count.
-const MAX_RATIO: f32 = 2.5;
+/// How many standard errors of fewer neighbours more may be off.
+const TOLERANCE: f64 = 2.0;
+
+/// By how much values may be off a function through few neighbours, in the mean and relative to it.
+const MISFIT: f64 = 0.03;
+
+/// Records that both have nothing else within their radii see each other up to this distance, in radii.
+const SURE_DISTANCE: f32 = 1.9;
 
 /// What was gathered at a record.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct GatheredValue {
     pub(super) point: SurfacePoint,
     pub(super) mean_radiance: Vec3,
+    /// The variance of the sum of its channels.
+    pub(super) variance: f32,
     /// How many paths gathered it.
     pub(super) paths: u32,
 }
 
-/// For each record the linear function on its tangent plane that fits the values of the records around it best, which it
-/// sees.
+/// What was fitted around a record.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fit {
+    pub(super) linear: LinearIrradiance,
+    /// Whether the values around it are off the function by more than their noise: the records are too far apart.
+    pub(super) is_coarse: bool,
+}
+
+/// For each record the function on its tangent plane that fits the values of the records around it best, which it sees.
 pub(super) fn fit_gradients(
     scene: &Scene,
     records: &IrradianceRecords,
     values: &[GatheredValue],
-) -> Vec<LinearIrradiance> {
+) -> Vec<Fit> {
+    let grid = Neighbours::new(records);
     let numbers = (0..records.len()).into_par_iter();
     let fit = |query_state: &mut QueryState, index: usize| {
         let is_seen = |neighbour: usize| {
+            let (record, other) = (&records[index], &records[neighbour]);
             let point = &values[index].point;
-            let is_doubtful = records[index].is_obstructed
-                || records[neighbour].is_doubtful(point.position, point.shading_normal);
-            !is_doubtful || sees(scene, point, records[neighbour].eye, query_state)
+            let distance = point.position.distance(other.position);
+            let is_sure = !record.is_obstructed
+                && !other.is_doubtful(point.position, point.shading_normal)
+                && distance < SURE_DISTANCE * record.radius.min(other.radius);
+            is_sure || sees(scene, point, other.eye, query_state)
         };
-        fit_at(records, index, values, is_seen)
+        fit_at(records, &grid, index, values, is_seen)
     };
     numbers.map_init(QueryState::default, fit).collect()
 }
 
+/// A value around a record.
+struct Neighbour {
+    /// Of what it says: by paths and area.
+    weight: f64,
+    /// Its squared distance in units of the largest reach, with what the angle between normals adds.
+    distance_squared: f64,
+    /// Relative to the record, along two tangents and in radii.
+    offset: [f64; 2],
+    mean_radiance: DVec3,
+    variance: f64,
+}
+
+/// A fit to the neighbours within a reach.
+struct ReachFit {
+    coefficients: [DVec3; COEFFICIENTS],
+    /// The standard error of the value at the record, by the scatter of the neighbours.
+    standard_error: f64,
+    is_coarse: bool,
+}
+
 fn fit_at(
     records: &IrradianceRecords,
+    grid: &Neighbours,
     index: usize,
     values: &[GatheredValue],
-    mut is_seen: impl FnMut(usize) -> bool,
-) -> LinearIrradiance {
+    is_seen: impl FnMut(usize) -> bool,
+) -> Fit {
     let record = &records[index];
     let tangents = [Vec3::X, Vec3::Y].map(|axis| to_world(record.normal, axis));
-    let mut matrix = DMat3::ZERO;
-    let mut right_sides = [DVec3::ZERO; 3];
-    let reach = REACH * record.radius;
+    let neighbours = neighbours(records, grid, index, values, tangents, is_seen);
+    let fits = REACHES.map(|reach| fit_within(&neighbours, reach / REACHES[REACHES.len() - 1]));
+    let mut chosen = &fits[0];
+    for (count, fit) in fits.iter().enumerate().skip(1) {
+        let agrees = |fewer: &ReachFit| {
+            let off = (fit.coefficients[0] - fewer.coefficients[0]).element_sum();
+            off.abs() <= TOLERANCE * fewer.standard_error
+        };
+        if !fits[..count].iter().all(agrees) {
+            break;
+        }
+        chosen = fit;
+    }
+    let [value, x, y, ..] = chosen.coefficients.map(|c| c.as_vec3());
+    let gradient = |channel: usize| {
+        (x[channel] * tangents[0] + y[channel] * tangents[1]) / record.radius
+    };
+    Fit {
+        linear: LinearIrradiance {
+            mean_radiance: value,
+            gradient: [0, 1, 2].map(gradient),
+        },
+        is_coarse: fits[0].is_coarse,
+    }
+}
+
+fn neighbours(
+    records: &IrradianceRecords,
+    grid: &Neighbours,
+    index: usize,
+    values: &[GatheredValue],
+    tangents: [Vec3; 2],
+    mut is_seen: impl FnMut(usize) -> bool,
+) -> Vec<Neighbour> {
+    let record = &records[index];
+    let normal_weight = 1.0 / (1.0 - libm::cosf(MAX_ANGLE));
+    let reach = REACHES[REACHES.len() - 1] * record.radius;
     let wide = IrradianceRecord {
         radius: reach,
         ..*record
     };
-    let normal_weight = 1.0 / (1.0 - libm::cosf(MAX_ANGLE));
+    let mut neighbours = Vec::new();
     // The record itself is among them.
-    records.visit_within(record.position, reach, |neighbour| {
+    grid.visit(record.position, record.radius, MAX_RATIO, reach, |neighbour| {
         let other = &records[neighbour];
-        let weight = wide.weight(other.position, other.normal, normal_weight);
-        let is_alike = other.radius <= MAX_RATIO * record.radius;
-        if weight <= 0.0 || !is_alike || (neighbour != index && !is_seen(neighbour)) {
+        let ratio = other.radius / record.radius;
+        let distance_squared = wide.distance_squared(other.position, other.normal, normal_weight);
+        if distance_squared >= 1.0 || (neighbour != index && !is_seen(neighbour)) {
             return;
         }
         let value = &values[neighbour];
-        let area = f64::from(other.radius / record.radius).powi(2);
-        let weight = f64::from(weight * reach.powi(4)) * f64::from(value.paths).min(4096.0) * area.min(1.0);
         let offset = (other.position - record.position) / record.radius;
-        let [x, y] = tangents.map(|tangent| f64::from(offset.dot(tangent)));
-        let row = DVec3::new(1.0, x, y);
-        matrix += weight * DMat3::from_cols(row, x * row, y * row);
-        for (side, channel) in right_sides.iter_mut().zip(value.mean_radiance.to_array()) {
-            *side += weight * f64::from(channel) * row;
-        }
+        neighbours.push(Neighbour {
+            weight: f64::from(value.paths) * f64::from(ratio * ratio).min(1.0),
+            distance_squared: distance_squared.into(),
+            offset: tangents.map(|tangent| f64::from(offset.dot(tangent))),
+            mean_radiance: value.mean_radiance.as_dvec3(),
+            variance: value.variance.into(),
+        });
     });
-    let weights = matrix.x_axis.x;
-    matrix.y_axis.y += REGULARIZATION * weights;
-    matrix.z_axis.z += REGULARIZATION * weights;
-    let inverse = matrix.inverse();
-    let solved = right_sides.map(|side| inverse * side);
-    LinearIrradiance {
-        mean_radiance: Vec3::from_array(solved.map(|function| function.x as f32)),
-        gradient: solved.map(|function| {
-            let [x, y] = [function.y, function.z].map(|change| change as f32);
-            (x * tangents[0] + y * tangents[1]) / record.radius
-        }),
+    neighbours
+}
+
+/// The fit to the neighbours within a part of the largest reach.
+fn fit_within(neighbours: &[Neighbour], part: f32) -> ReachFit {
+    let part_squared = f64::from(part * part);
+    let kernel = |neighbour: &Neighbour| (1.0 - neighbour.distance_squared / part_squared).max(0.0);
+    let mut least_squares = LeastSquares::default();
+    for neighbour in neighbours {
+        let weight = neighbour.weight * kernel(neighbour).powi(2);
+        if weight > 0.0 {
+            least_squares.add(weight, neighbour.offset, neighbour.mean_radiance);
+        }
+    }
+    let coefficients = least_squares.solve();
+    let (mut weights, mut squared_weights, mut residuals, mut noise) = (0.0, 0.0, 0.0, 0.0);
+    for neighbour in neighbours {
+        let weight = neighbour.weight * kernel(neighbour).powi(2);
+        let fitted = LeastSquares::value(&coefficients, neighbour.offset);
+        let residual = (neighbour.mean_radiance - fitted).element_sum();
+        weights += weight;
+        squared_weights += weight * weight;
+        residuals += weight * residual * residual;
+        noise += weight * neighbour.variance;
+    }
+    let (residuals, noise) = (residuals / weights, noise / weights);
+    let parts = squared_weights / (weights * weights);
+    let value = coefficients[0].element_sum().max(f64::MIN_POSITIVE);
+    ReachFit {
+        coefficients,
+        standard_error: (residuals.max(noise) * parts).sqrt(),
+        is_coarse: residuals > 2.0 * noise + (MISFIT * value).powi(2),
     }
 }

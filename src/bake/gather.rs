@@ -75,8 +75,7 @@ impl GatherSettings {
             bounces_left: bounces,
             seed,
         };
-        let half = |index: u32| pass.mean_radiance(&pilots, PATHS / 2, index, &|| ());
-        let pairs: Vec<[Vec3; 2]> = half(0).into_iter().zip(half(1)).map(|(a, b)| [a, b]).collect();
+        let pairs = pass.halves(&pilots, PATHS, &|| ());
         let noise = mean_relative_variance(&pairs).sqrt();
         let factor = (noise / NOISE).powi(2).clamp(1.0, MOST) as u32;
         let factor = factor.next_power_of_two();
@@ -127,25 +126,26 @@ pub(super) struct GatherPass<'a> {
 }
 
 impl GatherPass<'_> {
-    /// Mean incident radiance at each record, E / π in W/(sr m²), by paths from `index` times their number on. `on_record` is
-    /// called once per finished record.
-    pub(super) fn mean_radiance(
+    /// Mean incident radiance at each record, E / π in W/(sr m²), by each half of some paths. `on_record` is called once per
+    /// finished record.
+    pub(super) fn halves(
         &self,
         records: &[(CellKey, PlacedRecord)],
         paths: u32,
-        index: u32,
         on_record: &(dyn Fn() + Sync),
-    ) -> Vec<Vec3> {
+    ) -> Vec<[Vec3; 2]> {
         let of_batch = |records: &[(CellKey, PlacedRecord)]| {
-            let point = |(cell, placed): &(CellKey, PlacedRecord)| GatherPoint {
-                point: placed.point,
-                sequence: sequence_of(cell, self.seed, self.bounces_left),
-                index,
+            let point = |index: u32| {
+                records.iter().map(move |(cell, placed)| GatherPoint {
+                    point: placed.point,
+                    sequence: sequence_of(cell, self.seed, self.bounces_left),
+                    index,
+                })
             };
-            let points: Vec<GatherPoint> = records.iter().map(point).collect();
+            let points: Vec<GatherPoint> = point(0).chain(point(1)).collect();
             let gather_paths = GatherPaths {
                 bounces_left: self.bounces_left,
-                count: paths,
+                count: paths / 2,
                 // What a camera sees gets that by shadow rays.
                 include_sky: false,
             };
@@ -154,7 +154,9 @@ impl GatherPass<'_> {
                 self.final_gather
                     .gather(&points, gather_paths, self.secondary, query_state);
             records.iter().for_each(|_| on_record());
-            gathered
+            let (first, second) = gathered.split_at(records.len());
+            let pairs = first.iter().zip(second).map(|(a, b)| [*a, *b]);
+            pairs.collect::<Vec<_>>()
         };
         records.par_chunks(BATCH).flat_map_iter(of_batch).collect()
     }

@@ -17,6 +17,8 @@ mod candidates;
 mod finest_view;
 mod fit_gradients;
 mod gather;
+mod least_squares;
+mod neighbours;
 mod placement;
 mod validation;
 

@@ -5,7 +5,7 @@ use super::candidates::{Candidate, PathProbe};
 use super::finest_view::FinestView;
 use crate::accel::QueryState;
 use crate::integrator::{eye_above, is_obstructed, place_in_cell, sees};
-use crate::irradiance_cache::{CellKey, IrradianceRecord};
+use crate::irradiance_cache::{CellKey, IrradianceRecord, IrradianceRecords};
 use crate::scene::{Scene, SurfacePoint};
 use dashmap::DashMap;
 use rayon::prelude::*;
@@ -85,95 +85,132 @@ pub(super) const MAX_ABOVE: u8 = (COARSEST - FINEST) as u8;
 /// The cells that a path needs.
 pub(super) type Cells = BTreeMap<CellKey, PlacedCell>;
 
-/// Finds the cells for what is seen with a certain number of bounces left.
-pub(super) struct Placement<'a> {
-    pub(super) scene: &'a Scene,
-    pub(super) seed: u32,
-    /// Cells are this many levels smaller.
-    pub(super) refinement: i32,
-    pub(super) view: &'a FinestView,
-    records: DashMap<CellKey, Option<PlacedRecord>, FxBuildHasher>,
+/// A point that frames see and how closely they do.
+#[derive(Clone, Copy, Debug)]
+struct SeenPoint {
+    point: SurfacePoint,
+    /// See [`FinestView::level`].
+    level: i32,
 }
 
-impl Placement<'_> {
+/// The cells of a path for what is seen with a certain number of bounces left.
+pub(super) struct Placement<'a> {
+    scene: &'a Scene,
+    seed: u32,
+    /// Cells are this many levels smaller.
+    refinement: i32,
+    view: &'a FinestView,
+    /// Of all cells that were looked at.
+    records: DashMap<CellKey, Option<PlacedRecord>, FxBuildHasher>,
+    visited: FxHashSet<CellKey>,
+    /// The first point in each of the smallest cells.
+    points: Vec<SeenPoint>,
+    pub(super) cells: Cells,
+}
+
+impl<'a> Placement<'a> {
     /// The cells of a path, by the number of bounces left less 1.
     pub(super) fn of_path(
-        probe: &PathProbe,
+        probe: &PathProbe<'a>,
         refinement: u32,
-        views: &[FinestView],
+        views: &'a [FinestView],
         on_frame: impl Fn() + Sync,
-    ) -> Vec<Cells> {
-        let placements: Vec<Placement> = views
-            .iter()
-            .map(|view| Placement {
-                scene: probe.scene,
-                seed: probe.seed,
-                refinement: refinement as i32,
-                view,
-                records: DashMap::default(),
-            })
-            .collect();
-        let mut cells = vec![Cells::new(); views.len()];
-        let mut visited = vec![FxHashSet::default(); views.len()];
+    ) -> Vec<Placement<'a>> {
+        let empty = |view| Placement {
+            scene: probe.scene,
+            seed: probe.seed,
+            refinement: refinement as i32,
+            view,
+            records: DashMap::default(),
+            visited: FxHashSet::default(),
+            points: Vec::new(),
+            cells: Cells::new(),
+        };
+        let mut placements: Vec<Placement> = views.iter().map(empty).collect();
         for frames in probe.frames_in_order().chunks(BATCH) {
-            let seen: Vec<Vec<Vec<Candidate>>> = frames
-                .par_iter()
-                .map(|&frame| {
-                    on_frame();
-                    probe.candidates(frame)
-                })
-                .collect();
-            for seen in seen {
-                for (index, candidates) in seen.into_iter().enumerate() {
-                    if cells[index].len() < MAX_RECORDS {
-                        let visited = &mut visited[index];
-                        placements[index].add(&candidates, visited, &mut cells[index]);
-                    }
+            let candidates = |&frame: &u32| {
+                on_frame();
+                probe.candidates(frame)
+            };
+            let seen: Vec<Vec<Vec<Candidate>>> = frames.par_iter().map(candidates).collect();
+            for candidates in seen {
+                for (placement, candidates) in placements.iter_mut().zip(candidates) {
+                    placement.add(&candidates);
                 }
             }
         }
-        cells
+        placements
     }
 
     /// Adds the cells of the first candidate in each of the smallest cells.
-    fn add(&self, candidates: &[Candidate], visited: &mut FxHashSet<CellKey>, cells: &mut Cells) {
-        let smallest: Vec<(CellKey, i32)> = candidates
-            .par_iter()
-            .map(|candidate| {
-                let level = self.view.level(candidate) - self.refinement;
-                let point = &candidate.point;
-                let finest = level + FINEST;
-                (CellKey::containing(point.position, point.shading_normal, finest), level)
-            })
-            .collect();
-        let new: Vec<(&SurfacePoint, i32)> = candidates
-            .iter()
-            .zip(smallest)
-            .filter(|(_, (cell, _))| visited.insert(*cell))
-            .map(|(candidate, (_, level))| (&candidate.point, level))
-            .collect();
-        let found: Vec<(CellKey, PlacedCell)> = new
-            .par_iter()
-            .with_min_len(16)
-            .filter_map(|(point, level)| self.cell_of(point, *level))
-            .collect();
-        for (cell, placed) in found {
-            let known = cells.entry(cell).or_insert(placed);
+    fn add(&mut self, candidates: &[Candidate]) {
+        let seen_point = |candidate: &Candidate| {
+            let point = candidate.point;
+            let level = self.view.level(candidate) - self.refinement;
+            let smallest = level + FINEST;
+            let cell = CellKey::containing(point.position, point.shading_normal, smallest);
+            (cell, SeenPoint { point, level })
+        };
+        let seen: Vec<(CellKey, SeenPoint)> = candidates.par_iter().map(seen_point).collect();
+        let first = self.points.len();
+        for (cell, point) in seen {
+            if self.visited.insert(cell) {
+                self.points.push(point);
+            }
+        }
+        let new = self.points[first..].par_iter().with_min_len(16);
+        let found = new.filter_map(|seen| self.cell_of(seen, self.largest_level(seen)));
+        let found: Vec<_> = found.collect();
+        self.insert(found);
+    }
+
+    fn insert(&mut self, cells: Vec<(CellKey, PlacedCell)>) {
+        for (cell, placed) in cells {
+            if self.cells.len() >= MAX_RECORDS {
+                break;
+            }
+            let known = self.cells.entry(cell).or_insert(placed);
             known.above = known.above.max(placed.above);
         }
     }
 
-    /// The cell whose record covers a point: the largest that its surroundings allow, or a smaller one if several surfaces
-    /// share that.
-    fn cell_of(&self, point: &SurfacePoint, level: i32) -> Option<(CellKey, PlacedCell)> {
-        let (finest, coarsest) = (level + FINEST, level + COARSEST);
-        let query_state = &mut QueryState::default();
+    /// Adds smaller cells, of half the side, around records that stand too far apart: those that `is_coarse` marks.
+    pub(super) fn refine(&mut self, records: &IrradianceRecords, is_coarse: impl Fn(usize) -> bool + Sync) {
+        /// The part of a record's radius within which cells get smaller.
+        const PART: f32 = 0.8;
+        let coarse: Vec<IrradianceRecord> = (0..records.len())
+            .filter(|&index| is_coarse(index))
+            .map(|index| IrradianceRecord {
+                radius: PART * records[index].radius,
+                ..records[index]
+            })
+            .collect();
+        let (coarse, _) = IrradianceRecords::new(self.scene.bounds(), MAX_ANGLE, coarse);
+        let finer = |seen: &SeenPoint| {
+            let smallest = coarse.smallest_around(seen.point.position, seen.point.shading_normal)?;
+            let side = smallest / (PART * RADIUS);
+            let level = CellKey::level_of_side(0.75 * side);
+            (level >= seen.level + FINEST).then(|| self.cell_of(seen, level))?
+        };
+        let found: Vec<_> = self.points.par_iter().with_min_len(64).filter_map(finer).collect();
+        self.insert(found);
+    }
+
+    /// The level of the largest cell at a point that its surroundings allow.
+    fn largest_level(&self, seen: &SeenPoint) -> i32 {
+        let (finest, coarsest) = (seen.level + FINEST, seen.level + COARSEST);
         let largest = f64::from(libm::exp2f(coarsest as f32));
         let within = largest / RELATIVE_SIDE;
-        let clearance = self.scene.clearance(point, ELEVATION_SINE, within);
+        let clearance = self.scene.clearance(&seen.point, ELEVATION_SINE, within);
         let side = clearance.map_or(largest, |distance| distance * RELATIVE_SIDE);
-        let start = CellKey::level_of_side(side as f32).clamp(finest, coarsest);
-        (finest - BELOW..=start).rev().find_map(|level| {
+        CellKey::level_of_side(side as f32).clamp(finest, coarsest)
+    }
+
+    /// The cell whose record covers a point: at a level, or below if several surfaces share that.
+    fn cell_of(&self, seen: &SeenPoint, level: i32) -> Option<(CellKey, PlacedCell)> {
+        let query_state = &mut QueryState::default();
+        let (point, finest) = (&seen.point, seen.level + FINEST);
+        (finest - BELOW..=level).rev().find_map(|level| {
             let cell = CellKey::containing(point.position, point.shading_normal, level);
             let record = *self
                 .records

@@ -153,31 +153,6 @@ impl Octree {
         }
     }
 
-    /// Calls `visitor` with each leaf that overlaps `within` and its boxes.
-    pub(super) fn visit(&self, within: &Aabb, visitor: &mut impl FnMut(u32, &[u32])) {
-        self.visit_below(0, self.root, within, visitor);
-    }
-
-    fn visit_below(
-        &self,
-        node: u32,
-        cube: Cube,
-        within: &Aabb,
-        visitor: &mut impl FnMut(u32, &[u32]),
-    ) {
-        match &self.nodes[node as usize] {
-            Node::Inner(first) => {
-                for child in 0..8 {
-                    let octant = cube.octant(child as usize);
-                    if octant.overlaps(within) {
-                        self.visit_below(first + child, octant, within, visitor);
-                    }
-                }
-            }
-            Node::Leaf(boxes) => visitor(node, boxes),
-        }
-    }
-
     /// Memory in bytes.
     pub(super) fn memory(&self) -> usize {
         let list = |node: &Node| match node {
@@ -219,10 +194,6 @@ mod tests {
             let leaf = tree.leaf(point);
             let near = point + random.vector(0.01);
             assert!(!leaf.contains(near) || tree.leaf(near).node == leaf.node);
-            let mut is_visited = false;
-            let around = Aabb::of([point, near]);
-            tree.visit(&around, &mut |node, _| is_visited |= node == leaf.node);
-            assert!(is_visited);
         }
         assert!(listed < 2000 * 100, "{listed}");
     }

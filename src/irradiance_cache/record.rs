@@ -37,7 +37,7 @@ impl IrradianceRecord {
     /// Squared distance of a surface point in units of the radius, plus `normal_weight` (1 - cos) for the angle
     /// between the normals.
     #[inline]
-    fn distance_squared(&self, position: Vec3, normal: Vec3, normal_weight: f32) -> f32 {
+    pub fn distance_squared(&self, position: Vec3, normal: Vec3, normal_weight: f32) -> f32 {
         let offset = position - self.position;
         let height = offset.dot(self.normal);
         let squared = offset.length_squared() + HEIGHT_WEIGHT * height * height;

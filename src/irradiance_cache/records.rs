@@ -60,22 +60,14 @@ impl IrradianceRecords {
         self.normal_weight
     }
 
-    /// Calls `visitor` with the number of each record within a distance of a point, in metres.
-    pub fn visit_within(&self, position: Vec3, distance: f32, mut visitor: impl FnMut(usize)) {
-        let within = Aabb {
-            min: position - distance,
-            max: position + distance,
-        };
-        self.tree.visit(&within, &mut |leaf, boxes| {
-            for &index in boxes {
-                // Of the leaves that list it, that of its position.
-                let index = index as usize;
-                let at = self.list[index].position;
-                if at.distance(position) <= distance && self.tree.leaf(at).node == leaf {
-                    visitor(index);
-                }
-            }
-        });
+    /// The smallest radius of records that cover a point; none if there are none.
+    pub fn smallest_around(&self, position: Vec3, normal: Vec3) -> Option<f32> {
+        let candidates = self.tree.boxes(self.tree.leaf(position).node).iter();
+        // Radii grow.
+        candidates
+            .map(|&index| &self.list[index as usize])
+            .find(|record| record.weight(position, normal, self.normal_weight) > 0.0)
+            .map(|record| record.radius)
     }
 
     /// Memory in bytes.

@@ -1,0 +1,102 @@
+//! Weighted least squares fits of quadratic functions of two variables to colours.
+
+use glam::DVec3;
+
+/// The number of coefficients: of 1, x, y, x², xy and y².
+pub(super) const COEFFICIENTS: usize = 6;
+
+/// Ridge regularisation relative to the sum of the weights, for each of the coefficients.
+const REGULARIZATION: [f64; COEFFICIENTS] = [0.0, 0.005, 0.005, 0.1, 0.1, 0.1];
+
+/// The normal equations.
+#[derive(Debug, Default)]
+pub(super) struct LeastSquares {
+    matrix: [[f64; COEFFICIENTS]; COEFFICIENTS],
+    right_side: [DVec3; COEFFICIENTS],
+}
+
+fn basis([x, y]: [f64; 2]) -> [f64; COEFFICIENTS] {
+    [1.0, x, y, x * x, x * y, y * y]
+}
+
+impl LeastSquares {
+    /// Adds a value at a point with a weight above 0.
+    pub(super) fn add(&mut self, weight: f64, at: [f64; 2], value: DVec3) {
+        let basis = basis(at);
+        for i in 0..COEFFICIENTS {
+            let weighted = weight * basis[i];
+            for j in 0..=i {
+                self.matrix[i][j] += weighted * basis[j];
+            }
+            self.right_side[i] += weighted * value;
+        }
+    }
+
+    /// The coefficients that fit best, by Cholesky decomposition. At least one value was added.
+    pub(super) fn solve(&self) -> [DVec3; COEFFICIENTS] {
+        let weights = self.matrix[0][0];
+        let mut lower = self.matrix;
+        for (i, regularization) in REGULARIZATION.into_iter().enumerate() {
+            lower[i][i] += regularization * weights;
+        }
+        for i in 0..COEFFICIENTS {
+            for j in 0..=i {
+                let products: f64 = (0..j).map(|k| lower[i][k] * lower[j][k]).sum();
+                let rest = lower[i][j] - products;
+                lower[i][j] = if i == j { rest.sqrt() } else { rest / lower[j][j] };
+            }
+        }
+        let mut solution = self.right_side;
+        for i in 0..COEFFICIENTS {
+            for k in 0..i {
+                let known = solution[k];
+                solution[i] -= lower[i][k] * known;
+            }
+            solution[i] /= lower[i][i];
+        }
+        for i in (0..COEFFICIENTS).rev() {
+            for k in i + 1..COEFFICIENTS {
+                let known = solution[k];
+                solution[i] -= lower[k][i] * known;
+            }
+            solution[i] /= lower[i][i];
+        }
+        solution
+    }
+
+    /// The value of a fitted function.
+    pub(super) fn value(coefficients: &[DVec3; COEFFICIENTS], at: [f64; 2]) -> DVec3 {
+        let terms = coefficients.iter().zip(basis(at));
+        terms.map(|(coefficient, basis)| *coefficient * basis).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::Random;
+
+    /// Quadratic functions are found, up to the regularisation, from far points as from near ones.
+    #[test]
+    fn finds_quadratic_functions() {
+        let mut random = Random::new(7);
+        let truth = [5.0, 1.0, -2.0, 0.3, 0.2, -0.1].map(|c| DVec3::new(c, 2.0 * c, -c));
+        let mut least_squares = LeastSquares::default();
+        for _ in 0..500 {
+            let at = [(); 2].map(|()| 8.0 * f64::from(random.unit()) - 4.0);
+            least_squares.add(1.0, at, LeastSquares::value(&truth, at));
+        }
+        for (found, truth) in least_squares.solve().iter().zip(truth) {
+            assert!((found - truth).length() < 0.1, "{found} {truth}");
+        }
+    }
+
+    /// One value is the value everywhere.
+    #[test]
+    fn a_single_value_is_constant() {
+        let mut least_squares = LeastSquares::default();
+        least_squares.add(3.0, [0.0, 0.0], DVec3::ONE);
+        let found = least_squares.solve();
+        assert_eq!(LeastSquares::value(&found, [1.0, 2.0]), DVec3::ONE);
+    }
+}

@@ -2,17 +2,19 @@
 
 use super::candidates::PathProbe;
 use super::finest_view::FinestView;
-use super::fit_gradients::{Fit, GatheredValue, fit_gradients};
+use super::fit_gradients::{Fits, GatheredValue};
 use super::gather::{GatherPass, GatherSettings};
 use super::placement::{MAX_ABOVE, MAX_ANGLE, PlacedCell, PlacedRecord, Placement};
 use crate::camera::CameraPath;
 use crate::integrator::FinalGather;
 use crate::irradiance_cache::{
-    CellKey, IrradianceCache, IrradianceRecords, PrimaryIrradiance, SecondaryIrradiance,
+    CellKey, IrradianceCache, IrradianceRecord, IrradianceRecords, PrimaryIrradiance,
+    SecondaryIrradiance,
 };
 use crate::render::ErrorEstimate;
 use crate::scene::Scene;
 use glam::Vec3;
+use rayon::prelude::*;
 use postcard::ser_flavors::Size;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -150,11 +152,7 @@ impl BakeState {
         let path = self.path(name)?;
         let light = self.light(path.settings)?;
         let primary = |bounces_left: u8| {
-            let (records, fits) = light.fits(scene, bounces_left, &path.records);
-            PrimaryIrradiance {
-                values: fits.iter().map(|fit| fit.linear).collect(),
-                records,
-            }
+            light.primary_irradiance(scene, bounces_left, &path.records)
         };
         Some(IrradianceCache {
             primary: (1..=self.bounces as u8).map(primary).collect(),
@@ -197,6 +195,7 @@ impl BakeState {
             &final_gather,
             scene,
             &directly.into_iter().flatten().map(|(&cell, placed)| (cell, placed.placed)).collect::<Vec<_>>(),
+            records_of(&placements).iter().map(|(key, _)| 1 << key.paths).sum(),
             self.bounces,
             self.seed,
             self.refinement_level,
@@ -231,8 +230,7 @@ impl BakeState {
                 break;
             }
             for (bounces_left, placement) in (1..).zip(&mut placements) {
-                let (records, fits) = self.lights[light].fits(scene, bounces_left, &keys);
-                placement.refine(&records, |index| fits[index].is_coarse);
+                placement.refine(self.lights[light].too_far_apart(scene, bounces_left, &keys));
             }
         }
         Ok(())
@@ -316,28 +314,59 @@ fn records_of(placements: &[Placement]) -> Vec<(RecordKey, PlacedRecord)> {
 }
 
 impl GatheredLight {
-    /// The records among `keys` with a certain number of bounces left, and what is fitted around each.
-    fn fits(
+    /// The records among `keys` with a certain number of bounces left, and their values.
+    fn values(
         &self,
-        scene: &Scene,
         bounces_left: u8,
         keys: &[RecordKey],
-    ) -> (IrradianceRecords, Vec<Fit>) {
-        let keys: Vec<&RecordKey> = keys.iter().filter(|key| key.bounces_left == bounces_left).collect();
-        let list = keys.iter().map(|key| self.primary[key].placed.record).collect();
-        let (records, order) = IrradianceRecords::new(scene.bounds(), MAX_ANGLE, list);
-        let value = |&index: &usize| {
-            let key = keys[index];
-            let GatheredRecord { placed, halves: [a, b] } = self.primary[key];
-            GatheredValue {
+    ) -> (Vec<IrradianceRecord>, Vec<GatheredValue>) {
+        let of_bounce = keys.iter().filter(|key| key.bounces_left == bounces_left);
+        let value = |key: &RecordKey| {
+            let GatheredRecord {
+                placed,
+                halves: [a, b],
+            } = self.primary[key];
+            let value = GatheredValue {
                 point: placed.point,
                 mean_radiance: 0.5 * (a + b),
                 variance: 0.25 * (a - b).element_sum().powi(2),
                 paths: self.settings.paths << key.paths,
-            }
+            };
+            (placed.record, value)
         };
-        let values: Vec<GatheredValue> = order.iter().map(value).collect();
-        let fits = fit_gradients(scene, &records, &values);
-        (records, fits)
+        of_bounce.map(value).unzip()
+    }
+
+    /// What frames interpolate.
+    fn primary_irradiance(
+        &self,
+        scene: &Scene,
+        bounces_left: u8,
+        keys: &[RecordKey],
+    ) -> PrimaryIrradiance {
+        let (records, values) = self.values(bounces_left, keys);
+        let gradients = Fits::new(scene, &records, &values).gradients();
+        let (records, order) = IrradianceRecords::new(scene.bounds(), MAX_ANGLE, records);
+        PrimaryIrradiance {
+            values: order.into_iter().map(|index| gradients[index]).collect(),
+            records,
+        }
+    }
+
+    /// The records, but for those in the smallest cells, that stand too far apart.
+    fn too_far_apart(
+        &self,
+        scene: &Scene,
+        bounces_left: u8,
+        keys: &[RecordKey],
+    ) -> impl Iterator<Item = IrradianceRecord> + use<> {
+        let (records, values) = self.values(bounces_left, keys);
+        let of_bounce: Vec<&RecordKey> =
+            keys.iter().filter(|key| key.bounces_left == bounces_left).collect();
+        let fits = Fits::new(scene, &records, &values);
+        let numbers = (0..records.len()).into_par_iter();
+        let found = numbers.filter(|&index| of_bounce[index].paths > 0 && fits.is_coarse(index));
+        let found: Vec<IrradianceRecord> = found.map(|index| records[index]).collect();
+        found.into_iter()
     }
 }

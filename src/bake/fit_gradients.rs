@@ -8,7 +8,7 @@ use super::neighbours::Neighbours;
 use super::placement::MAX_ANGLE;
 use crate::accel::QueryState;
 use crate::integrator::sees;
-use crate::irradiance_cache::{IrradianceRecord, IrradianceRecords, LinearIrradiance};
+use crate::irradiance_cache::{IrradianceRecord, LinearIrradiance};
 use crate::math::to_world;
 use crate::scene::{Scene, SurfacePoint};
 use glam::{DVec3, Vec3};
@@ -40,35 +40,118 @@ pub(super) struct GatheredValue {
     pub(super) paths: u32,
 }
 
-/// What was fitted around a record.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Fit {
-    pub(super) linear: LinearIrradiance,
-    /// Whether the values around it are off the function by more than their noise: the records are too far apart.
-    pub(super) is_coarse: bool,
+/// The values of some records.
+pub(super) struct Fits<'a> {
+    scene: &'a Scene,
+    records: &'a [IrradianceRecord],
+    values: &'a [GatheredValue],
+    neighbours: Neighbours,
 }
 
-/// For each record the function on its tangent plane that fits the values of the records around it best, which it sees.
-pub(super) fn fit_gradients(
-    scene: &Scene,
-    records: &IrradianceRecords,
-    values: &[GatheredValue],
-) -> Vec<Fit> {
-    let grid = Neighbours::new(records);
-    let numbers = (0..records.len()).into_par_iter();
-    let fit = |query_state: &mut QueryState, index: usize| {
-        let is_seen = |neighbour: usize| {
-            let (record, other) = (&records[index], &records[neighbour]);
-            let point = &values[index].point;
-            let distance = point.position.distance(other.position);
-            let is_sure = !record.is_obstructed
-                && !other.is_doubtful(point.position, point.shading_normal)
-                && distance < SURE_DISTANCE * record.radius.min(other.radius);
-            is_sure || sees(scene, point, other.eye, query_state)
+impl<'a> Fits<'a> {
+    /// Of records and their values.
+    pub(super) fn new(
+        scene: &'a Scene,
+        records: &'a [IrradianceRecord],
+        values: &'a [GatheredValue],
+    ) -> Fits<'a> {
+        Fits {
+            scene,
+            records,
+            values,
+            neighbours: Neighbours::new(records),
+        }
+    }
+
+    /// For each record the function on its tangent plane that fits the values of the records around it best, which it
+    /// sees.
+    pub(super) fn gradients(&self) -> Vec<LinearIrradiance> {
+        let numbers = (0..self.records.len()).into_par_iter();
+        let fit = |query_state: &mut QueryState, index: usize| self.fit(index, query_state);
+        numbers.map_init(QueryState::default, fit).collect()
+    }
+
+    /// Whether a record stands too far apart from its neighbours: values are off the function through them by more than
+    /// their noise.
+    pub(super) fn is_coarse(&self, index: usize) -> bool {
+        let neighbours = self.around(index, REACHES[0], &mut QueryState::default());
+        fit_within(&neighbours, 1.0).is_coarse
+    }
+
+    fn sees(&self, index: usize, neighbour: usize, query_state: &mut QueryState) -> bool {
+        let (record, other) = (&self.records[index], &self.records[neighbour]);
+        let point = &self.values[index].point;
+        let distance = point.position.distance(other.position);
+        let is_sure = !record.is_obstructed
+            && !other.is_doubtful(point.position, point.shading_normal)
+            && distance < SURE_DISTANCE * record.radius.min(other.radius);
+        is_sure || sees(self.scene, point, other.eye, query_state)
+    }
+
+
+    fn fit(&self, index: usize, query_state: &mut QueryState) -> LinearIrradiance {
+        let record = &self.records[index];
+        let largest = REACHES[REACHES.len() - 1];
+        let neighbours = self.around(index, largest, query_state);
+        let fits = REACHES.map(|reach| fit_within(&neighbours, reach / largest));
+        let mut chosen = &fits[0];
+        for (count, fit) in fits.iter().enumerate().skip(1) {
+            let agrees = |fewer: &ReachFit| {
+                let off = (fit.coefficients[0] - fewer.coefficients[0]).element_sum();
+                off.abs() <= TOLERANCE * fewer.standard_error
+            };
+            if !fits[..count].iter().all(agrees) {
+                break;
+            }
+            chosen = fit;
+        }
+        let [value, x, y, ..] = chosen.coefficients.map(|c| c.as_vec3());
+        let [along_x, along_y] = tangents(record.normal);
+        let gradient =
+            |channel: usize| (x[channel] * along_x + y[channel] * along_y) / record.radius;
+        LinearIrradiance {
+            mean_radiance: value,
+            gradient: [0, 1, 2].map(gradient),
+        }
+    }
+
+    /// What a record sees within a reach; itself is among it.
+    fn around(&self, index: usize, reach: f32, query_state: &mut QueryState) -> Vec<Neighbour> {
+        let record = &self.records[index];
+        let tangents = tangents(record.normal);
+        let normal_weight = 1.0 / (1.0 - libm::cosf(MAX_ANGLE));
+        let wide = IrradianceRecord {
+            radius: reach * record.radius,
+            ..*record
         };
-        fit_at(records, &grid, index, values, is_seen)
-    };
-    numbers.map_init(QueryState::default, fit).collect()
+        let mut found = Vec::new();
+        let (position, radius) = (record.position, record.radius);
+        self.neighbours.visit(position, radius, MAX_RATIO, wide.radius, |neighbour| {
+            let other = &self.records[neighbour];
+            let distance_squared =
+                wide.distance_squared(other.position, other.normal, normal_weight);
+            if distance_squared >= 1.0
+                || (neighbour != index && !self.sees(index, neighbour, query_state))
+            {
+                return;
+            }
+            let value = &self.values[neighbour];
+            let offset = (other.position - position) / radius;
+            let area = f64::from(other.radius / radius).powi(2);
+            found.push(Neighbour {
+                weight: f64::from(value.paths) * area.min(1.0),
+                distance_squared: distance_squared.into(),
+                offset: tangents.map(|tangent| f64::from(offset.dot(tangent))),
+                mean_radiance: value.mean_radiance.as_dvec3(),
+                variance: value.variance.into(),
+            });
+        });
+        found
+    }
+}
+
+fn tangents(normal: Vec3) -> [Vec3; 2] {
+    [Vec3::X, Vec3::Y].map(|axis| to_world(normal, axis))
 }
 
 /// A value around a record.
@@ -89,78 +172,6 @@ struct ReachFit {
     /// The standard error of the value at the record, by the scatter of the neighbours.
     standard_error: f64,
     is_coarse: bool,
-}
-
-fn fit_at(
-    records: &IrradianceRecords,
-    grid: &Neighbours,
-    index: usize,
-    values: &[GatheredValue],
-    is_seen: impl FnMut(usize) -> bool,
-) -> Fit {
-    let record = &records[index];
-    let tangents = [Vec3::X, Vec3::Y].map(|axis| to_world(record.normal, axis));
-    let neighbours = neighbours(records, grid, index, values, tangents, is_seen);
-    let fits = REACHES.map(|reach| fit_within(&neighbours, reach / REACHES[REACHES.len() - 1]));
-    let mut chosen = &fits[0];
-    for (count, fit) in fits.iter().enumerate().skip(1) {
-        let agrees = |fewer: &ReachFit| {
-            let off = (fit.coefficients[0] - fewer.coefficients[0]).element_sum();
-            off.abs() <= TOLERANCE * fewer.standard_error
-        };
-        if !fits[..count].iter().all(agrees) {
-            break;
-        }
-        chosen = fit;
-    }
-    let [value, x, y, ..] = chosen.coefficients.map(|c| c.as_vec3());
-    let gradient = |channel: usize| {
-        (x[channel] * tangents[0] + y[channel] * tangents[1]) / record.radius
-    };
-    Fit {
-        linear: LinearIrradiance {
-            mean_radiance: value,
-            gradient: [0, 1, 2].map(gradient),
-        },
-        is_coarse: fits[0].is_coarse,
-    }
-}
-
-fn neighbours(
-    records: &IrradianceRecords,
-    grid: &Neighbours,
-    index: usize,
-    values: &[GatheredValue],
-    tangents: [Vec3; 2],
-    mut is_seen: impl FnMut(usize) -> bool,
-) -> Vec<Neighbour> {
-    let record = &records[index];
-    let normal_weight = 1.0 / (1.0 - libm::cosf(MAX_ANGLE));
-    let reach = REACHES[REACHES.len() - 1] * record.radius;
-    let wide = IrradianceRecord {
-        radius: reach,
-        ..*record
-    };
-    let mut neighbours = Vec::new();
-    // The record itself is among them.
-    grid.visit(record.position, record.radius, MAX_RATIO, reach, |neighbour| {
-        let other = &records[neighbour];
-        let ratio = other.radius / record.radius;
-        let distance_squared = wide.distance_squared(other.position, other.normal, normal_weight);
-        if distance_squared >= 1.0 || (neighbour != index && !is_seen(neighbour)) {
-            return;
-        }
-        let value = &values[neighbour];
-        let offset = (other.position - record.position) / record.radius;
-        neighbours.push(Neighbour {
-            weight: f64::from(value.paths) * f64::from(ratio * ratio).min(1.0),
-            distance_squared: distance_squared.into(),
-            offset: tangents.map(|tangent| f64::from(offset.dot(tangent))),
-            mean_radiance: value.mean_radiance.as_dvec3(),
-            variance: value.variance.into(),
-        });
-    });
-    neighbours
 }
 
 /// The fit to the neighbours within a part of the largest reach.

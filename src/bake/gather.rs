@@ -17,16 +17,24 @@ const BATCH: usize = 16;
 /// Records whose surroundings and noise decide the settings of all.
 const PILOTS: usize = 512;
 
-/// The least number of paths of a primary and of a secondary record.
-const PATHS: u32 = 64;
+/// The least number of paths of a primary record.
+const PATHS: u32 = 32;
+
+/// The least number of paths of a secondary record.
+const SECONDARY_PATHS: u32 = 64;
 
 /// At most this many times as many paths leave a record.
 const MOST: f32 = 8.0;
 const MOST_SECONDARY: u32 = 4;
 
+/// Paths of all records together, where there is little noise, that few records share, and how many times as many they get at
+/// most.
+const ALL_PATHS: u64 = 8_000_000;
+const MOST_OF_FEW: u64 = 8;
+
 /// The standard deviation of a value with the least number of paths, over the value, above which there are more: in rooms
 /// that are lit through windows few paths find the light.
-const NOISE: f32 = 0.08;
+const NOISE: f32 = 0.15;
 
 /// The side of secondary cells relative to the median distance between surfaces.
 const RELATIVE_SECONDARY_SIDE: f32 = 0.12;
@@ -43,7 +51,8 @@ pub(super) struct GatherSettings {
 }
 
 impl GatherSettings {
-    /// The settings that some records of a path ask for. They come in powers of two, so that other paths in the same rooms
+    /// The settings that the records of a path ask for: those that are seen directly are given, and for all of them the sum
+    /// of their paths, in those of the smallest. They come in powers of two, so that other paths in the same rooms
     /// mostly ask for the same.
     ///
     /// Noise decides for all records at once, as values whose own noise decided would be too low: those seem good that
@@ -52,6 +61,7 @@ impl GatherSettings {
         final_gather: &FinalGather,
         scene: &Scene,
         records: &[(CellKey, PlacedRecord)],
+        paths_of_all: u64,
         bounces: u32,
         seed: u32,
         refinement: u32,
@@ -63,7 +73,7 @@ impl GatherSettings {
         let mut settings = GatherSettings {
             secondary: SecondarySettings {
                 level: level as i8,
-                paths: PATHS << refinement,
+                paths: SECONDARY_PATHS << refinement,
                 seed,
             },
             paths: PATHS,
@@ -76,10 +86,13 @@ impl GatherSettings {
             seed,
         };
         let pairs = pass.halves(&pilots, PATHS, &|| ());
-        let noise = mean_relative_variance(&pairs).sqrt();
+        let area = |(cell, _): &(CellKey, PlacedRecord)| cell.side().powi(2);
+        let noise = mean_relative_variance(&pairs, pilots.iter().map(area)).sqrt();
         let factor = (noise / NOISE).powi(2).clamp(1.0, MOST) as u32;
         let factor = factor.next_power_of_two();
-        settings.paths *= factor;
+        let all = paths_of_all * u64::from(PATHS * factor);
+        let few = (ALL_PATHS * u64::from(factor) / all.max(1)).clamp(1, MOST_OF_FEW);
+        settings.paths *= factor << few.ilog2();
         settings.secondary.paths *= factor.min(MOST_SECONDARY);
         settings
     }
@@ -162,21 +175,25 @@ impl GatherPass<'_> {
     }
 }
 
-/// The variance of the mean of two independent values over its square, in the mean over such pairs. Pairs of black are left
-/// out; 0 if there are no others.
-fn mean_relative_variance(pairs: &[[Vec3; 2]]) -> f32 {
-    let relative = |[a, b]: &[Vec3; 2]| {
+/// The variance of the mean of two independent values over its square, in the weighted mean over such pairs. Pairs of black
+/// are left out; 0 if there are no others.
+fn mean_relative_variance(pairs: &[[Vec3; 2]], weights: impl Iterator<Item = f32>) -> f32 {
+    let (mut sum, mut all) = (0.0, 0.0);
+    for ([a, b], weight) in pairs.iter().zip(weights) {
         let (a, b) = (a.element_sum(), b.element_sum());
-        (a + b > 0.0).then(|| ((a - b) / (a + b)).powi(2))
-    };
-    let relative: Vec<f32> = pairs.iter().filter_map(relative).collect();
-    relative.iter().sum::<f32>() / relative.len().max(1) as f32
+        if a + b > 0.0 {
+            sum += weight * ((a - b) / (a + b)).powi(2);
+            all += weight;
+        }
+    }
+    if all > 0.0 { sum / all } else { 0.0 }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sampling::Random;
+    use std::iter;
 
     /// Uniform values from 0 to 2 have a variance of 1/3, and the mean of two halves with n values each one of 1/(6 n).
     #[test]
@@ -189,14 +206,14 @@ mod tests {
         for count in [16, 64] {
             let pairs: Vec<[Vec3; 2]> = (0..20_000).map(|_| [half(count), half(count)]).collect();
             let expected = 1.0 / (3.0 * 2.0 * count as f32);
-            let variance = mean_relative_variance(&pairs);
+            let variance = mean_relative_variance(&pairs, iter::repeat(0.5));
             assert!(
                 (variance / expected - 1.0).abs() < 0.06,
                 "{variance} {expected}"
             );
         }
         let black = [[Vec3::ZERO; 2], [Vec3::ONE, Vec3::ONE]];
-        assert_eq!(mean_relative_variance(&black), 0.0);
-        assert_eq!(mean_relative_variance(&[]), 0.0);
+        assert_eq!(mean_relative_variance(&black, iter::repeat(1.0)), 0.0);
+        assert_eq!(mean_relative_variance(&[], iter::repeat(1.0)), 0.0);
     }
 }

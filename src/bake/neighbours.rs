@@ -1,6 +1,6 @@
 //! Finds records of about the same size around a point: a grid for each radius.
 
-use crate::irradiance_cache::IrradianceRecords;
+use crate::irradiance_cache::IrradianceRecord;
 use glam::{IVec3, Vec3};
 use rustc_hash::FxHashMap;
 
@@ -20,13 +20,14 @@ fn cell(position: Vec3, radius: f32) -> IVec3 {
 }
 
 impl Neighbours {
-    pub(super) fn new(records: &IrradianceRecords) -> Neighbours {
+    pub(super) fn new(records: &[IrradianceRecord]) -> Neighbours {
         let mut cells: FxHashMap<_, Vec<u32>> = FxHashMap::default();
         for (index, record) in (0..).zip(records.iter()) {
             let key = (record.radius.to_bits(), cell(record.position, record.radius));
             cells.entry(key).or_default().push(index);
         }
         let mut radii: Vec<f32> = records.iter().map(|record| record.radius).collect();
+        radii.sort_unstable_by(f32::total_cmp);
         radii.dedup();
         Neighbours { radii, cells }
     }

@@ -174,17 +174,15 @@ impl<'a> Placement<'a> {
         }
     }
 
-    /// Adds smaller cells, of half the side, around records that stand too far apart: those that `is_coarse` marks.
-    pub(super) fn refine(&mut self, records: &IrradianceRecords, is_coarse: impl Fn(usize) -> bool + Sync) {
+    /// Adds smaller cells, of half the side, around records that stand too far apart.
+    pub(super) fn refine(&mut self, too_far_apart: impl Iterator<Item = IrradianceRecord>) {
         /// The part of a record's radius within which cells get smaller.
         const PART: f32 = 0.8;
-        let coarse: Vec<IrradianceRecord> = (0..records.len())
-            .filter(|&index| is_coarse(index))
-            .map(|index| IrradianceRecord {
-                radius: PART * records[index].radius,
-                ..records[index]
-            })
-            .collect();
+        let shrunk = |record: IrradianceRecord| IrradianceRecord {
+            radius: PART * record.radius,
+            ..record
+        };
+        let coarse = too_far_apart.map(shrunk).collect();
         let (coarse, _) = IrradianceRecords::new(self.scene.bounds(), MAX_ANGLE, coarse);
         let finer = |seen: &SeenPoint| {
             let smallest = coarse.smallest_around(seen.point.position, seen.point.shading_normal)?;

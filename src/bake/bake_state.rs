@@ -329,7 +329,7 @@ impl GatheredLight {
             let value = GatheredValue {
                 point: placed.point,
                 mean_radiance: 0.5 * (a + b),
-                variance: 0.25 * (a - b).element_sum().powi(2),
+                half_difference: 0.5 * (a - b),
                 paths: self.settings.paths << key.paths,
             };
             (placed.record, value)
@@ -348,8 +348,9 @@ impl GatheredLight {
         let gradients = Fits::new(scene, &records, &values).gradients();
         let (records, order) = IrradianceRecords::new(scene.bounds(), MAX_ANGLE, records);
         PrimaryIrradiance {
-            values: order.into_iter().map(|index| gradients[index]).collect(),
-            records,
+            values: order.iter().map(|&index| gradients[index][0]).collect(),
+            half_difference: order.iter().map(|&index| gradients[index][1]).collect(),
+            records: Arc::new(records),
         }
     }
 

@@ -3,7 +3,7 @@
 //! "Multivariate Interpolation of Large Sets of Scattered Data"). How many neighbours is decided by the values: as many as
 //! agree with fewer, within their noise (Lepski 1990, "On a Problem of Adaptive Estimation in Gaussian White Noise").
 
-use super::least_squares::{COEFFICIENTS, LeastSquares};
+use super::least_squares::{COEFFICIENTS, LeastSquares, Pair};
 use super::neighbours::Neighbours;
 use super::placement::MAX_ANGLE;
 use crate::accel::QueryState;
@@ -34,8 +34,8 @@ const SURE_DISTANCE: f32 = 1.9;
 pub(super) struct GatheredValue {
     pub(super) point: SurfacePoint,
     pub(super) mean_radiance: Vec3,
-    /// The variance of the sum of its channels.
-    pub(super) variance: f32,
+    /// Half the difference between the values by each half of the paths.
+    pub(super) half_difference: Vec3,
     /// How many paths gathered it.
     pub(super) paths: u32,
 }
@@ -64,8 +64,8 @@ impl<'a> Fits<'a> {
     }
 
     /// For each record the function on its tangent plane that fits the values of the records around it best, which it
-    /// sees.
-    pub(super) fn gradients(&self) -> Vec<LinearIrradiance> {
+    /// sees; and the same of half the differences between the halves of their paths.
+    pub(super) fn gradients(&self) -> Vec<[LinearIrradiance; 2]> {
         let numbers = (0..self.records.len()).into_par_iter();
         let fit = |query_state: &mut QueryState, index: usize| self.fit(index, query_state);
         numbers.map_init(QueryState::default, fit).collect()
@@ -89,7 +89,7 @@ impl<'a> Fits<'a> {
     }
 
 
-    fn fit(&self, index: usize, query_state: &mut QueryState) -> LinearIrradiance {
+    fn fit(&self, index: usize, query_state: &mut QueryState) -> [LinearIrradiance; 2] {
         let record = &self.records[index];
         let largest = REACHES[REACHES.len() - 1];
         let neighbours = self.around(index, largest, query_state);
@@ -97,7 +97,8 @@ impl<'a> Fits<'a> {
         let mut chosen = &fits[0];
         for (count, fit) in fits.iter().enumerate().skip(1) {
             let agrees = |fewer: &ReachFit| {
-                let off = (fit.coefficients[0] - fewer.coefficients[0]).element_sum();
+                let [value, of_fewer] = [fit, fewer].map(|fit| fit.coefficients[0][0]);
+                let off = (value - of_fewer).element_sum();
                 off.abs() <= TOLERANCE * fewer.standard_error
             };
             if !fits[..count].iter().all(agrees) {
@@ -105,14 +106,16 @@ impl<'a> Fits<'a> {
             }
             chosen = fit;
         }
-        let [value, x, y, ..] = chosen.coefficients.map(|c| c.as_vec3());
         let [along_x, along_y] = tangents(record.normal);
-        let gradient =
-            |channel: usize| (x[channel] * along_x + y[channel] * along_y) / record.radius;
-        LinearIrradiance {
-            mean_radiance: value,
-            gradient: [0, 1, 2].map(gradient),
-        }
+        [0, 1].map(|color| {
+            let [value, x, y, ..] = chosen.coefficients.map(|pair| pair[color].as_vec3());
+            let gradient =
+                |channel: usize| (x[channel] * along_x + y[channel] * along_y) / record.radius;
+            LinearIrradiance {
+                mean_radiance: value,
+                gradient: [0, 1, 2].map(gradient),
+            }
+        })
     }
 
     /// What a record sees within a reach; itself is among it.
@@ -143,7 +146,7 @@ impl<'a> Fits<'a> {
                 distance_squared: distance_squared.into(),
                 offset: tangents.map(|tangent| f64::from(offset.dot(tangent))),
                 mean_radiance: value.mean_radiance.as_dvec3(),
-                variance: value.variance.into(),
+                half_difference: value.half_difference.as_dvec3(),
             });
         });
         found
@@ -163,12 +166,13 @@ struct Neighbour {
     /// Relative to the record, along two tangents and in radii.
     offset: [f64; 2],
     mean_radiance: DVec3,
-    variance: f64,
+    half_difference: DVec3,
 }
 
 /// A fit to the neighbours within a reach.
 struct ReachFit {
-    coefficients: [DVec3; COEFFICIENTS],
+    /// Of mean radiance and half difference.
+    coefficients: [Pair; COEFFICIENTS],
     /// The standard error of the value at the record, by the scatter of the neighbours.
     standard_error: f64,
     is_coarse: bool,
@@ -182,7 +186,8 @@ fn fit_within(neighbours: &[Neighbour], part: f32) -> ReachFit {
     for neighbour in neighbours {
         let weight = neighbour.weight * kernel(neighbour).powi(2);
         if weight > 0.0 {
-            least_squares.add(weight, neighbour.offset, neighbour.mean_radiance);
+            let pair = [neighbour.mean_radiance, neighbour.half_difference];
+            least_squares.add(weight, neighbour.offset, pair);
         }
     }
     let coefficients = least_squares.solve();
@@ -194,11 +199,11 @@ fn fit_within(neighbours: &[Neighbour], part: f32) -> ReachFit {
         weights += weight;
         squared_weights += weight * weight;
         residuals += weight * residual * residual;
-        noise += weight * neighbour.variance;
+        noise += weight * neighbour.half_difference.element_sum().powi(2);
     }
     let (residuals, noise) = (residuals / weights, noise / weights);
     let parts = squared_weights / (weights * weights);
-    let value = coefficients[0].element_sum().max(f64::MIN_POSITIVE);
+    let value = coefficients[0][0].element_sum().max(f64::MIN_POSITIVE);
     ReachFit {
         coefficients,
         standard_error: (residuals.max(noise) * parts).sqrt(),

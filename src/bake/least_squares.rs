@@ -1,4 +1,4 @@
-//! Weighted least squares fits of quadratic functions of two variables to colours.
+//! Weighted least squares fits of quadratic functions of two variables to pairs of colours.
 
 use glam::DVec3;
 
@@ -12,8 +12,11 @@ const REGULARIZATION: [f64; COEFFICIENTS] = [0.0, 0.005, 0.005, 0.1, 0.1, 0.1];
 #[derive(Debug, Default)]
 pub(super) struct LeastSquares {
     matrix: [[f64; COEFFICIENTS]; COEFFICIENTS],
-    right_side: [DVec3; COEFFICIENTS],
+    right_side: [Pair; COEFFICIENTS],
 }
+
+/// Two colours.
+pub(super) type Pair = [DVec3; 2];
 
 fn basis([x, y]: [f64; 2]) -> [f64; COEFFICIENTS] {
     [1.0, x, y, x * x, x * y, y * y]
@@ -21,19 +24,21 @@ fn basis([x, y]: [f64; 2]) -> [f64; COEFFICIENTS] {
 
 impl LeastSquares {
     /// Adds a value at a point with a weight above 0.
-    pub(super) fn add(&mut self, weight: f64, at: [f64; 2], value: DVec3) {
+    pub(super) fn add(&mut self, weight: f64, at: [f64; 2], value: Pair) {
         let basis = basis(at);
         for i in 0..COEFFICIENTS {
             let weighted = weight * basis[i];
             for j in 0..=i {
                 self.matrix[i][j] += weighted * basis[j];
             }
-            self.right_side[i] += weighted * value;
+            for (side, value) in self.right_side[i].iter_mut().zip(value) {
+                *side += weighted * value;
+            }
         }
     }
 
     /// The coefficients that fit best, by Cholesky decomposition. At least one value was added.
-    pub(super) fn solve(&self) -> [DVec3; COEFFICIENTS] {
+    pub(super) fn solve(&self) -> [Pair; COEFFICIENTS] {
         let weights = self.matrix[0][0];
         let mut lower = self.matrix;
         for (i, regularization) in REGULARIZATION.into_iter().enumerate() {
@@ -47,27 +52,23 @@ impl LeastSquares {
             }
         }
         let mut solution = self.right_side;
-        for i in 0..COEFFICIENTS {
-            for k in 0..i {
-                let known = solution[k];
-                solution[i] -= lower[i][k] * known;
+        for color in 0..2 {
+            for i in 0..COEFFICIENTS {
+                let known: DVec3 = (0..i).map(|k| lower[i][k] * solution[k][color]).sum();
+                solution[i][color] = (solution[i][color] - known) / lower[i][i];
             }
-            solution[i] /= lower[i][i];
-        }
-        for i in (0..COEFFICIENTS).rev() {
-            for k in i + 1..COEFFICIENTS {
-                let known = solution[k];
-                solution[i] -= lower[k][i] * known;
+            for i in (0..COEFFICIENTS).rev() {
+                let known = (i + 1..COEFFICIENTS).map(|k| lower[k][i] * solution[k][color]);
+                solution[i][color] = (solution[i][color] - known.sum::<DVec3>()) / lower[i][i];
             }
-            solution[i] /= lower[i][i];
         }
         solution
     }
 
-    /// The value of a fitted function.
-    pub(super) fn value(coefficients: &[DVec3; COEFFICIENTS], at: [f64; 2]) -> DVec3 {
+    /// The first colour of a fitted function.
+    pub(super) fn value(coefficients: &[Pair; COEFFICIENTS], at: [f64; 2]) -> DVec3 {
         let terms = coefficients.iter().zip(basis(at));
-        terms.map(|(coefficient, basis)| *coefficient * basis).sum()
+        terms.map(|([coefficient, _], basis)| *coefficient * basis).sum()
     }
 }
 
@@ -80,14 +81,20 @@ mod tests {
     #[test]
     fn finds_quadratic_functions() {
         let mut random = Random::new(7);
-        let truth = [5.0, 1.0, -2.0, 0.3, 0.2, -0.1].map(|c| DVec3::new(c, 2.0 * c, -c));
+        let truth = [5.0, 1.0, -2.0, 0.3, 0.2, -0.1].map(|c| [DVec3::new(c, 2.0 * c, -c), DVec3::splat(-3.0 * c)]);
         let mut least_squares = LeastSquares::default();
         for _ in 0..500 {
             let at = [(); 2].map(|()| 8.0 * f64::from(random.unit()) - 4.0);
-            least_squares.add(1.0, at, LeastSquares::value(&truth, at));
+            let value = |color: usize| -> DVec3 {
+                let terms = truth.iter().zip(basis(at));
+                terms.map(|(coefficient, basis)| coefficient[color] * basis).sum()
+            };
+            least_squares.add(1.0, at, [value(0), value(1)]);
         }
         for (found, truth) in least_squares.solve().iter().zip(truth) {
-            assert!((found - truth).length() < 0.1, "{found} {truth}");
+            for (found, truth) in found.iter().zip(truth) {
+                assert!((found - truth).length() < 0.2, "{found} {truth}");
+            }
         }
     }
 
@@ -95,7 +102,7 @@ mod tests {
     #[test]
     fn a_single_value_is_constant() {
         let mut least_squares = LeastSquares::default();
-        least_squares.add(3.0, [0.0, 0.0], DVec3::ONE);
+        least_squares.add(3.0, [0.0, 0.0], [DVec3::ONE, DVec3::ZERO]);
         let found = least_squares.solve();
         assert_eq!(LeastSquares::value(&found, [1.0, 2.0]), DVec3::ONE);
     }

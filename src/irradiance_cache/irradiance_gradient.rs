@@ -18,4 +18,13 @@ impl LinearIrradiance {
     pub fn at(&self, offset: Vec3) -> Vec3 {
         self.mean_radiance + Vec3::from_array(self.gradient.map(|gradient| gradient.dot(offset)))
     }
+
+    /// The sum with a multiple of another function.
+    pub(super) fn plus(&self, factor: f32, other: &LinearIrradiance) -> LinearIrradiance {
+        let gradient = |channel: usize| self.gradient[channel] + factor * other.gradient[channel];
+        LinearIrradiance {
+            mean_radiance: self.mean_radiance + factor * other.mean_radiance,
+            gradient: [0, 1, 2].map(gradient),
+        }
+    }
 }

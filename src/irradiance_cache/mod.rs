@@ -48,6 +48,16 @@ impl IrradianceCache {
         self.primary.len() as u32
     }
 
+    /// The caches that each half of the paths of primary records would give: half their difference is the noise of this one.
+    pub fn halves(&self) -> [IrradianceCache; 2] {
+        let halves: Vec<_> = self.primary.iter().map(PrimaryIrradiance::halves).collect();
+        let (a, b) = halves.into_iter().map(|[a, b]| (a, b)).unzip();
+        [a, b].map(|primary| IrradianceCache {
+            primary,
+            secondary: self.secondary.clone(),
+        })
+    }
+
     /// How many records there are, primary and secondary.
     pub fn record_count(&self) -> [usize; 2] {
         let primary = self.primary.iter().map(|primary| primary.records.len());

@@ -6,14 +6,17 @@ use super::octree::{Leaf, Octree};
 use super::records::IrradianceRecords;
 use crate::simd::Kernel;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Mean incident radiance at surfaces that the camera sees with a certain number of bounces left.
 #[derive(Debug)]
 pub struct PrimaryIrradiance {
     /// The records.
-    pub records: IrradianceRecords,
+    pub records: Arc<IrradianceRecords>,
     /// Indexed by record.
     pub values: Vec<LinearIrradiance>,
+    /// Half the difference between what each half of the paths would give, indexed by record.
+    pub half_difference: Vec<LinearIrradiance>,
 }
 
 impl PrimaryIrradiance {
@@ -66,9 +69,22 @@ impl PrimaryIrradiance {
         values
     }
 
+    /// What each half of the paths would give.
+    pub(super) fn halves(&self) -> [PrimaryIrradiance; 2] {
+        [1.0, -1.0].map(|sign| {
+            let both = self.values.iter().zip(&self.half_difference);
+            PrimaryIrradiance {
+                records: self.records.clone(),
+                values: both.map(|(value, half)| value.plus(sign, half)).collect(),
+                half_difference: Vec::new(),
+            }
+        })
+    }
+
     /// Memory in bytes.
     pub fn memory(&self) -> usize {
-        self.records.memory() + size_of_val(&*self.values)
+        let values = size_of_val(&*self.values) + size_of_val(&*self.half_difference);
+        self.records.memory() + values
     }
 }
 

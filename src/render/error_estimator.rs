@@ -11,7 +11,7 @@ use super::block::Block;
 use super::effort::Effort;
 use super::error_estimate::{ErrorEstimate, FrameErrorEstimate};
 use super::half_buffer_error::HalfBufferError;
-use super::held_out::{HeldOutPixel, hold_out};
+use super::held_out::{ChosenPixel, hold_out};
 use super::picture::Picture;
 use super::question::{Part, Question, answers};
 use super::sampler::{Sampler, Work};
@@ -77,7 +77,7 @@ pub(super) struct Estimate {
 /// The pixels that are held out for one part.
 struct HeldOut {
     part: Part,
-    pixels: Vec<HeldOutPixel>,
+    pixels: Vec<ChosenPixel>,
     /// For each question another pixel of its block, for errors that neighbours share; empty where they share none.
     partners: Vec<usize>,
 }

@@ -5,26 +5,26 @@
 /// The part of the held-out pixels that is taken from all with equal probabilities: error may be where none is expected.
 const EQUAL_PART: f64 = 0.2;
 
-/// A pixel that is held out.
+/// A pixel that is held out: its index among those that could be.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct HeldOutPixel {
-    pub(super) pixel: usize,
+pub(crate) struct ChosenPixel {
+    pub(crate) pixel: usize,
     /// How often it is chosen; at least once.
-    pub(super) times: u32,
+    pub(crate) times: u32,
     /// The expected number of times, as a multiple of the mean over all pixels.
-    pub(super) density: f64,
+    pub(crate) density: f64,
     /// The probability that it is chosen at all.
     pub(super) chance: f64,
 }
 
 /// Chooses pixels by their weights. All choices cost about `budget`, where each of a pixel costs what `cost` gives;
 /// `random`, in 0..1, decides on them.
-pub(super) fn hold_out(
+pub(crate) fn hold_out(
     weights: &[f32],
     cost: impl Fn(usize) -> f64,
     budget: f64,
     random: f32,
-) -> Vec<HeldOutPixel> {
+) -> Vec<ChosenPixel> {
     let count = weights.len() as f64;
     let (mut all_weights, mut all_costs, mut weighted_costs) = (0.0, 0.0, 0.0);
     for (pixel, &weight) in weights.iter().enumerate() {
@@ -52,7 +52,7 @@ pub(super) fn hold_out(
             times += 1;
         }
         if times > 0 {
-            held_out.push(HeldOutPixel {
+            held_out.push(ChosenPixel {
                 pixel,
                 times,
                 density,
@@ -81,10 +81,10 @@ mod tests {
             let start = (run as f32 + 0.5) / RUNS as f32;
             let held_out = hold_out(&weights, cost, 400.0, start);
             let choices: u32 = held_out.iter().map(|chosen| chosen.times).sum();
-            let value = |of: &HeldOutPixel| f64::from(of.times) * values[of.pixel] / of.density;
+            let value = |of: &ChosenPixel| f64::from(of.times) * values[of.pixel] / of.density;
             let sum: f64 = held_out.iter().map(value).sum();
             mean += sum / f64::from(choices) / f64::from(RUNS);
-            let cost = |of: &HeldOutPixel| f64::from(of.times) * cost(of.pixel);
+            let cost = |of: &ChosenPixel| f64::from(of.times) * cost(of.pixel);
             costs += held_out.iter().map(cost).sum::<f64>() / f64::from(RUNS);
         }
         let exact = values.iter().sum::<f64>() / 500.0;

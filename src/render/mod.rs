@@ -42,6 +42,7 @@ mod squared_error;
 pub use error_estimate::{ErrorEstimate, FrameErrorEstimate};
 pub use flicker::Flicker;
 pub use frame::{RenderedFrame, frame_memory, tile_count};
+pub(crate) use held_out::{ChosenPixel, hold_out};
 pub use observer::{NoObserver, RenderObserver};
 pub use renderer::Renderer;
 pub use reprojection::{Match, Reprojection, TILE};

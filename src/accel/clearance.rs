@@ -85,7 +85,8 @@ impl PointQuery for ClearanceCone {
         let elevation = libm::asin((to_center.dot(self.normal) / length).clamp(-1.0, 1.0));
         let (nearest, farthest) = ((length - radius).abs(), length + radius);
         let is_in_cone = |distance: f64| {
-            let cos = (distance * distance + length * length - radius * radius) / (2.0 * distance * length);
+            let cos = (distance * distance + length * length - radius * radius)
+                / (2.0 * distance * length);
             let angle = libm::acos(cos.clamp(-1.0, 1.0));
             // Over the zenith and down again.
             let highest = libm::sin(elevation + angle);
@@ -148,7 +149,11 @@ mod tests {
         for [a, b, c] in &triangles {
             for _ in 0..2000 {
                 let (u, v) = (random.unit(), random.unit());
-                let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+                let (u, v) = if u + v > 1.0 {
+                    (1.0 - u, 1.0 - v)
+                } else {
+                    (u, v)
+                };
                 surface.push((*a + u * (*b - *a) + v * (*c - *a)).as_dvec3());
             }
         }

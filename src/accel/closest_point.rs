@@ -68,7 +68,8 @@ impl Bvh {
 
     fn block_distance(&self, index: usize, query: &impl PointQuery) -> f64 {
         let block = &self.blocks[index];
-        let distances = (0..block.count()).map(|lane| query.triangle_distance(block.triangle(lane)));
+        let distances =
+            (0..block.count()).map(|lane| query.triangle_distance(block.triangle(lane)));
         distances.fold(f64::INFINITY, f64::min)
     }
 }

@@ -14,12 +14,17 @@ use crate::irradiance_cache::{
 use crate::render::ErrorEstimate;
 use crate::scene::Scene;
 use glam::Vec3;
-use rayon::prelude::*;
 use postcard::ser_flavors::Size;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// By how much values may be off a function through those around them, in the mean and relative to it; and in the smallest
+/// cells.
+const MISFIT: f64 = 0.03;
+const STEP: f64 = 0.15;
 
 /// Called with the progress, from 0 to 1, and the current stage.
 pub type Listener<'a> = &'a (dyn Fn(f64, &'static str) + Sync);
@@ -48,7 +53,6 @@ fn counter(all: usize, report: impl Fn(f64) + Sync) -> impl Fn() + Sync {
 /// there for other paths changes nothing.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct BakeState {
-    refinement_level: u32,
     seed: u32,
     bounces: u32,
     lights: Vec<GatheredLight>,
@@ -85,6 +89,7 @@ struct GatheredRecord {
 struct PathRecords {
     /// The name of the camera path.
     name: String,
+    refinement_level: u32,
     settings: GatherSettings,
     records: Vec<RecordKey>,
     /// The radiance that is displayed as white: errors are relative to it.
@@ -97,11 +102,9 @@ impl BakeState {
     /// The highest refinement level.
     pub const MAX_REFINEMENT: u32 = 3;
 
-    /// The state without records, where `bounces` bounces are counted. At each refinement level, from 0 to
-    /// [`BakeState::MAX_REFINEMENT`], cells have half the side of the last.
-    pub fn new(bounces: u32, seed: u32, refinement_level: u32) -> BakeState {
+    /// The state without records, where `bounces` bounces are counted.
+    pub fn new(bounces: u32, seed: u32) -> BakeState {
         BakeState {
-            refinement_level,
             seed,
             bounces,
             lights: Vec::new(),
@@ -109,19 +112,14 @@ impl BakeState {
         }
     }
 
-    /// The refinement level.
-    pub fn refinement_level(&self) -> u32 {
-        self.refinement_level
+    /// The refinement level of the records of a path; none if it does not hold that path.
+    pub fn refinement_level(&self, name: &str) -> Option<u32> {
+        self.path(name).map(|path| path.refinement_level)
     }
 
     /// The names of the camera paths whose records it holds, in the order in which they were added.
     pub fn camera_paths(&self) -> impl Iterator<Item = &str> {
         self.paths.iter().map(|path| &*path.name)
-    }
-
-    /// Whether it holds the records of the path of this name.
-    pub fn has_camera_path(&self, name: &str) -> bool {
-        self.camera_paths().any(|known| known == name)
     }
 
     fn path(&self, name: &str) -> Option<&PathRecords> {
@@ -151,22 +149,25 @@ impl BakeState {
     pub fn irradiance_cache(&self, scene: &Scene, name: &str) -> Option<IrradianceCache> {
         let path = self.path(name)?;
         let light = self.light(path.settings)?;
-        let primary = |bounces_left: u8| {
-            light.primary_irradiance(scene, bounces_left, &path.records)
-        };
+        let primary =
+            |bounces_left: u8| light.primary_irradiance(scene, bounces_left, &path.records);
         Some(IrradianceCache {
             primary: (1..=self.bounces as u8).map(primary).collect(),
             secondary: light.secondary.clone(),
         })
     }
 
-    /// Adds the records of a path whose frames have `size` columns and rows. `reserve` is as that of [`super::bake`].
+    /// Adds the records of a path whose frames have `size` columns and rows, in place of those of another level. At each
+    /// refinement level, from 0 to [`BakeState::MAX_REFINEMENT`], cells have half the side of the last. `reserve` is as that
+    /// of [`super::bake_with_room`].
+    #[expect(clippy::too_many_arguments, reason = "a path and how it is rendered")]
     pub fn add_camera_path<E>(
         &mut self,
         scene: &Scene,
         path: &CameraPath,
         name: &str,
         size: (u32, u32),
+        refinement_level: u32,
         listener: Listener,
         reserve: &mut impl FnMut(u64) -> Result<(), E>,
     ) -> Result<(), E> {
@@ -188,17 +189,24 @@ impl BakeState {
         let placed = counter(frames, |part| {
             listener(SEEN + (PLACED - SEEN) * part, "primary records");
         });
-        let mut placements = Placement::of_path(&probe, self.refinement_level, &views, placed);
+        let mut placements = Placement::of_path(&probe, refinement_level, &views, placed);
         let final_gather = FinalGather::new(scene);
         let directly = placements.last().map(|placement| &placement.cells);
         let settings = GatherSettings::for_records(
             &final_gather,
             scene,
-            &directly.into_iter().flatten().map(|(&cell, placed)| (cell, placed.placed)).collect::<Vec<_>>(),
-            records_of(&placements).iter().map(|(key, _)| 1 << key.paths).sum(),
+            &directly
+                .into_iter()
+                .flatten()
+                .map(|(&cell, placed)| (cell, placed.placed))
+                .collect::<Vec<_>>(),
+            records_of(&placements)
+                .iter()
+                .map(|(key, _)| 1 << key.paths)
+                .sum(),
             self.bounces,
             self.seed,
-            self.refinement_level,
+            refinement_level,
         );
         let light = self.light_of(settings);
         let mut progress = PLACED;
@@ -220,8 +228,10 @@ impl BakeState {
             self.gather(&final_gather, light, &mut new, &on_record);
             let keys = records.iter().map(|(key, _)| *key).collect();
             if new.is_empty() || round == ROUNDS {
+                self.paths.retain(|path| path.name != name);
                 self.paths.push(PathRecords {
                     name: name.to_owned(),
+                    refinement_level,
                     settings,
                     records: keys,
                     display_white: 0.0,
@@ -238,7 +248,10 @@ impl BakeState {
 
     /// The index of what is gathered with these settings.
     fn light_of(&mut self, settings: GatherSettings) -> usize {
-        let known = self.lights.iter().position(|light| light.settings == settings);
+        let known = self
+            .lights
+            .iter()
+            .position(|light| light.settings == settings);
         known.unwrap_or_else(|| {
             let bounces = self.bounces.saturating_sub(1);
             let secondary = SecondaryIrradiance::new(settings.secondary, bounces);
@@ -263,7 +276,9 @@ impl BakeState {
         let light = &mut self.lights[light];
         // Those of as many paths together.
         records.sort_by_key(|(key, _)| *key);
-        for group in records.chunk_by(|(a, _), (b, _)| (a.bounces_left, a.paths) == (b.bounces_left, b.paths)) {
+        for group in records
+            .chunk_by(|(a, _), (b, _)| (a.bounces_left, a.paths) == (b.bounces_left, b.paths))
+        {
             let (key, _) = group[0];
             let pass = GatherPass {
                 final_gather,
@@ -271,17 +286,22 @@ impl BakeState {
                 bounces_left: key.bounces_left.into(),
                 seed,
             };
-            let points: Vec<_> = group.iter().map(|(key, placed)| (key.cell, *placed)).collect();
+            let points: Vec<_> = group
+                .iter()
+                .map(|(key, placed)| (key.cell, *placed))
+                .collect();
             let paths = light.settings.paths << key.paths;
             let gathered = pass.halves(&points, paths, on_record);
             let gathered = group.iter().zip(gathered);
-            light.primary.extend(gathered.map(|((key, placed), halves)| {
-                let record = GatheredRecord {
-                    placed: *placed,
-                    halves,
-                };
-                (*key, record)
-            }));
+            light
+                .primary
+                .extend(gathered.map(|((key, placed), halves)| {
+                    let record = GatheredRecord {
+                        placed: *placed,
+                        halves,
+                    };
+                    (*key, record)
+                }));
         }
     }
 
@@ -354,7 +374,7 @@ impl GatheredLight {
         }
     }
 
-    /// The records, but for those in the smallest cells, that stand too far apart.
+    /// The records that stand too far apart: those in the smallest cells only at steps.
     fn too_far_apart(
         &self,
         scene: &Scene,
@@ -362,11 +382,20 @@ impl GatheredLight {
         keys: &[RecordKey],
     ) -> impl Iterator<Item = IrradianceRecord> + use<> {
         let (records, values) = self.values(bounces_left, keys);
-        let of_bounce: Vec<&RecordKey> =
-            keys.iter().filter(|key| key.bounces_left == bounces_left).collect();
+        let of_bounce: Vec<&RecordKey> = keys
+            .iter()
+            .filter(|key| key.bounces_left == bounces_left)
+            .collect();
         let fits = Fits::new(scene, &records, &values);
         let numbers = (0..records.len()).into_par_iter();
-        let found = numbers.filter(|&index| of_bounce[index].paths > 0 && fits.is_coarse(index));
+        let misfit = |index: usize| {
+            if of_bounce[index].paths > 0 {
+                MISFIT
+            } else {
+                STEP
+            }
+        };
+        let found = numbers.filter(|&index| fits.is_coarse(index, misfit(index)));
         let found: Vec<IrradianceRecord> = found.map(|index| records[index]).collect();
         found.into_iter()
     }

@@ -86,12 +86,6 @@ impl CacheFile {
         Ok(lock)
     }
 
-    /// The names of the camera paths that it holds now; none if it is not there or not this cache.
-    pub fn camera_paths(&self) -> Vec<String> {
-        let found = self.read(false).ok().flatten();
-        found.map_or(Vec::new(), |found| found.camera_paths().map(str::to_owned).collect())
-    }
-
     /// Begins the file that [`CacheFile::finish`] ends, before the cache is baked: so it is known early that it can be
     /// written.
     pub fn begin(&self) -> Result<PartFile, CacheFileError> {

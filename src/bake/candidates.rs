@@ -86,7 +86,11 @@ impl PathProbe<'_> {
             .collect();
         let mut candidates = vec![Vec::new(); self.bounces as usize];
         for visible in visible {
-            let mirrored = if visible.bounces_left < self.bounces { MIRRORED } else { 1.0 };
+            let mirrored = if visible.bounces_left < self.bounces {
+                MIRRORED
+            } else {
+                1.0
+            };
             candidates[visible.bounces_left as usize - 1].push(Candidate {
                 point: visible.point,
                 pixel: mirrored * pixel_angle * visible.distance,

@@ -23,9 +23,6 @@ const MAX_RATIO: f32 = 2.1;
 /// How many standard errors of fewer neighbours more may be off.
 const TOLERANCE: f64 = 2.0;
 
-/// By how much values may be off a function through few neighbours, in the mean and relative to it.
-const MISFIT: f64 = 0.03;
-
 /// Records that both have nothing else within their radii see each other up to this distance, in radii.
 const SURE_DISTANCE: f32 = 1.9;
 
@@ -72,10 +69,12 @@ impl<'a> Fits<'a> {
     }
 
     /// Whether a record stands too far apart from its neighbours: values are off the function through them by more than
-    /// their noise.
-    pub(super) fn is_coarse(&self, index: usize) -> bool {
+    /// their noise and `misfit`, in the mean and relative to the function.
+    pub(super) fn is_coarse(&self, index: usize, misfit: f64) -> bool {
         let neighbours = self.around(index, REACHES[0], &mut QueryState::default());
-        fit_within(&neighbours, 1.0).is_coarse
+        let fit = fit_within(&neighbours, 1.0);
+        let value = fit.coefficients[0][0].element_sum();
+        fit.residuals > 2.0 * fit.noise + (misfit * value).powi(2)
     }
 
     fn sees(&self, index: usize, neighbour: usize, query_state: &mut QueryState) -> bool {
@@ -87,7 +86,6 @@ impl<'a> Fits<'a> {
             && distance < SURE_DISTANCE * record.radius.min(other.radius);
         is_sure || sees(self.scene, point, other.eye, query_state)
     }
-
 
     fn fit(&self, index: usize, query_state: &mut QueryState) -> [LinearIrradiance; 2] {
         let record = &self.records[index];
@@ -107,7 +105,7 @@ impl<'a> Fits<'a> {
             chosen = fit;
         }
         let [along_x, along_y] = tangents(record.normal);
-        [0, 1].map(|color| {
+        let [value, half_difference] = [0, 1].map(|color| {
             let [value, x, y, ..] = chosen.coefficients.map(|pair| pair[color].as_vec3());
             let gradient =
                 |channel: usize| (x[channel] * along_x + y[channel] * along_y) / record.radius;
@@ -115,7 +113,8 @@ impl<'a> Fits<'a> {
                 mean_radiance: value,
                 gradient: [0, 1, 2].map(gradient),
             }
-        })
+        });
+        [bounded(value, &neighbours, record.radius), half_difference]
     }
 
     /// What a record sees within a reach; itself is among it.
@@ -129,28 +128,45 @@ impl<'a> Fits<'a> {
         };
         let mut found = Vec::new();
         let (position, radius) = (record.position, record.radius);
-        self.neighbours.visit(position, radius, MAX_RATIO, wide.radius, |neighbour| {
-            let other = &self.records[neighbour];
-            let distance_squared =
-                wide.distance_squared(other.position, other.normal, normal_weight);
-            if distance_squared >= 1.0
-                || (neighbour != index && !self.sees(index, neighbour, query_state))
-            {
-                return;
-            }
-            let value = &self.values[neighbour];
-            let offset = (other.position - position) / radius;
-            let area = f64::from(other.radius / radius).powi(2);
-            found.push(Neighbour {
-                weight: f64::from(value.paths) * area.min(1.0),
-                distance_squared: distance_squared.into(),
-                offset: tangents.map(|tangent| f64::from(offset.dot(tangent))),
-                mean_radiance: value.mean_radiance.as_dvec3(),
-                half_difference: value.half_difference.as_dvec3(),
+        self.neighbours
+            .visit(position, radius, MAX_RATIO, wide.radius, |neighbour| {
+                let other = &self.records[neighbour];
+                let distance_squared =
+                    wide.distance_squared(other.position, other.normal, normal_weight);
+                if distance_squared >= 1.0
+                    || (neighbour != index && !self.sees(index, neighbour, query_state))
+                {
+                    return;
+                }
+                let value = &self.values[neighbour];
+                let offset = (other.position - position) / radius;
+                let area = f64::from(other.radius / radius).powi(2);
+                found.push(Neighbour {
+                    weight: f64::from(value.paths) * area.min(1.0),
+                    distance_squared: distance_squared.into(),
+                    offset: tangents.map(|tangent| f64::from(offset.dot(tangent))),
+                    mean_radiance: value.mean_radiance.as_dvec3(),
+                    half_difference: value.half_difference.as_dvec3(),
+                });
             });
-        });
         found
     }
+}
+
+/// A fit without what polynomials do at steps: between the least and the greatest value around a record, and not below
+/// black within its radius.
+fn bounded(mut fit: LinearIrradiance, neighbours: &[Neighbour], radius: f32) -> LinearIrradiance {
+    let near = neighbours.iter().filter(|neighbour| neighbour.is_near());
+    let values = near.map(|neighbour| neighbour.mean_radiance.as_vec3());
+    let empty = (Vec3::INFINITY, Vec3::ZERO);
+    let (least, greatest) = values.fold(empty, |(least, greatest), v| {
+        (least.min(v), greatest.max(v))
+    });
+    fit.mean_radiance = fit.mean_radiance.max(least).min(greatest);
+    for (gradient, value) in fit.gradient.iter_mut().zip(fit.mean_radiance.to_array()) {
+        *gradient = gradient.clamp_length_max(value / radius);
+    }
+    fit
 }
 
 fn tangents(normal: Vec3) -> [Vec3; 2] {
@@ -169,13 +185,22 @@ struct Neighbour {
     half_difference: DVec3,
 }
 
+impl Neighbour {
+    /// Whether it is within the least reach.
+    fn is_near(&self) -> bool {
+        self.distance_squared < f64::from(REACHES[0] / REACHES[REACHES.len() - 1]).powi(2)
+    }
+}
+
 /// A fit to the neighbours within a reach.
 struct ReachFit {
     /// Of mean radiance and half difference.
     coefficients: [Pair; COEFFICIENTS],
     /// The standard error of the value at the record, by the scatter of the neighbours.
     standard_error: f64,
-    is_coarse: bool,
+    /// The mean square by which values are off the function, and that of their own noise.
+    residuals: f64,
+    noise: f64,
 }
 
 /// The fit to the neighbours within a part of the largest reach.
@@ -203,10 +228,10 @@ fn fit_within(neighbours: &[Neighbour], part: f32) -> ReachFit {
     }
     let (residuals, noise) = (residuals / weights, noise / weights);
     let parts = squared_weights / (weights * weights);
-    let value = coefficients[0][0].element_sum().max(f64::MIN_POSITIVE);
     ReachFit {
         coefficients,
         standard_error: (residuals.max(noise) * parts).sqrt(),
-        is_coarse: residuals > 2.0 * noise + (MISFIT * value).powi(2),
+        residuals,
+        noise,
     }
 }

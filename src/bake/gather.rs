@@ -69,7 +69,8 @@ impl GatherSettings {
         let stride = records.len().div_ceil(PILOTS).max(1);
         let pilots: Vec<_> = records.iter().step_by(stride).copied().collect();
         let median = median_distance(scene, &pilots, seed);
-        let level = CellKey::level_of_side(RELATIVE_SECONDARY_SIDE * median) - refinement as i32 / 2;
+        let level =
+            CellKey::level_of_side(RELATIVE_SECONDARY_SIDE * median) - refinement as i32 / 2;
         let mut settings = GatherSettings {
             secondary: SecondarySettings {
                 level: level as i8,

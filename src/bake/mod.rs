@@ -47,10 +47,10 @@ pub struct Baked {
 }
 
 /// Bakes the irradiance cache for all frames of a path, called `name`, of these settings, on the threads of the
-/// current pool. A given state, of the same scene and settings, is extended by what this path lacks.
+/// current pool. A given state, of the same scene and settings, is extended by what this path lacks: what comes of it is the
+/// same.
 ///
-/// Of a target error the cache may take up half. If it takes up more, the cache is refined, unless a state is given:
-/// that holds the records of other paths, too.
+/// Of a target error the cache may take up half. If it takes up more, the records of the path are refined.
 pub fn bake(
     scene: &Scene,
     path: &CameraPath,
@@ -75,17 +75,27 @@ pub fn bake_with_room<E>(
     listener: Listener,
     mut reserve: impl FnMut(u64) -> Result<(), E>,
 ) -> Result<Baked, E> {
-    let is_given = given.is_some();
     let bounces = settings.integrator.bounces();
-    let new = |refinement_level| BakeState::new(bounces, settings.seed, refinement_level);
-    let mut state = given.unwrap_or_else(|| new(0));
+    let mut state = given.unwrap_or_else(|| BakeState::new(bounces, settings.seed));
+    let mut level = state.refinement_level(name);
     loop {
-        if !state.has_camera_path(name) {
+        let refinement_level = level.unwrap_or(0);
+        if level.is_none() || state.refinement_level(name) != level {
             let size = (settings.width, settings.height);
-            state.add_camera_path(scene, path, name, size, listener, &mut reserve)?;
+            state.add_camera_path(
+                scene,
+                path,
+                name,
+                size,
+                refinement_level,
+                listener,
+                &mut reserve,
+            )?;
         }
         listener(GATHERED, "cache error");
-        let cache = state.irradiance_cache(scene, name).expect("the path is there");
+        let cache = state
+            .irradiance_cache(scene, name)
+            .expect("the path is there");
         let errors = match state.errors(name, settings.display_white) {
             Some(errors) => errors.to_vec(),
             None => {
@@ -99,7 +109,7 @@ pub fn bake_with_room<E>(
             let is_low = |error: &ErrorEstimate| error.interval()[1] <= 0.5 * target;
             errors.iter().all(is_low)
         });
-        if reaches_target || is_given || state.refinement_level() == BakeState::MAX_REFINEMENT {
+        if reaches_target || refinement_level == BakeState::MAX_REFINEMENT {
             return Ok(Baked {
                 state,
                 cache,
@@ -107,6 +117,6 @@ pub fn bake_with_room<E>(
                 reaches_target,
             });
         }
-        state = new(state.refinement_level() + 1);
+        level = Some(refinement_level + 1);
     }
 }

@@ -23,7 +23,10 @@ impl Neighbours {
     pub(super) fn new(records: &[IrradianceRecord]) -> Neighbours {
         let mut cells: FxHashMap<_, Vec<u32>> = FxHashMap::default();
         for (index, record) in (0..).zip(records.iter()) {
-            let key = (record.radius.to_bits(), cell(record.position, record.radius));
+            let key = (
+                record.radius.to_bits(),
+                cell(record.position, record.radius),
+            );
             cells.entry(key).or_default().push(index);
         }
         let mut radii: Vec<f32> = records.iter().map(|record| record.radius).collect();

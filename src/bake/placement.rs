@@ -6,8 +6,10 @@ use super::finest_view::FinestView;
 use crate::accel::QueryState;
 use crate::integrator::{eye_above, is_obstructed, place_in_cell, sees};
 use crate::irradiance_cache::{CellKey, IrradianceRecord, IrradianceRecords};
+use crate::math::to_world;
 use crate::scene::{Scene, SurfacePoint};
 use dashmap::DashMap;
+use glam::Vec3;
 use rayon::prelude::*;
 use rustc_hash::{FxBuildHasher, FxHashSet};
 use serde::{Deserialize, Serialize};
@@ -30,6 +32,9 @@ const COARSEST: i32 = 1;
 
 /// How many levels below the smallest cells some stand, where several surfaces share a cell.
 const BELOW: i32 = 4;
+
+/// How many levels below the smallest cells some stand at steps of irradiance.
+const BELOW_AT_STEPS: i32 = 2;
 
 /// The validity radius of a record, in sides of its cell.
 const RADIUS: f32 = 1.5;
@@ -184,14 +189,47 @@ impl<'a> Placement<'a> {
         };
         let coarse = too_far_apart.map(shrunk).collect();
         let (coarse, _) = IrradianceRecords::new(self.scene.bounds(), MAX_ANGLE, coarse);
-        let finer = |seen: &SeenPoint| {
-            let smallest = coarse.smallest_around(seen.point.position, seen.point.shading_normal)?;
+        let finer = |seen: &SeenPoint| -> Vec<(CellKey, PlacedCell)> {
+            let (position, normal) = (seen.point.position, seen.point.shading_normal);
+            let Some(smallest) = coarse.smallest_around(position, normal) else {
+                return Vec::new();
+            };
             let side = smallest / (PART * RADIUS);
             let level = CellKey::level_of_side(0.75 * side);
-            (level >= seen.level + FINEST).then(|| self.cell_of(seen, level))?
+            match seen.level + FINEST - level {
+                ..=0 => self.cell_of(seen, level).into_iter().collect(),
+                below @ 1..=BELOW_AT_STEPS => self.cells_around(seen, level, below),
+                _ => Vec::new(),
+            }
         };
-        let found: Vec<_> = self.points.par_iter().with_min_len(64).filter_map(finer).collect();
+        let found = self.points.par_iter().with_min_len(64).flat_map_iter(finer);
+        let found: Vec<_> = found.collect();
         self.insert(found);
+    }
+
+    /// All cells of a level in the smallest cell around a point, of which there is only one: those of the point's own
+    /// plane.
+    fn cells_around(&self, seen: &SeenPoint, level: i32, below: i32) -> Vec<(CellKey, PlacedCell)> {
+        let (position, normal) = (seen.point.position, seen.point.shading_normal);
+        let side = libm::exp2f(level as f32);
+        let steps = 1 << below;
+        let offsets = (-steps..=steps).map(|step| 0.5 * step as f32 * side);
+        let grid = offsets
+            .clone()
+            .flat_map(|x| offsets.clone().map(move |y| (x, y)));
+        let cell = |(x, y)| {
+            let at = position + to_world(normal, Vec3::new(x, y, 0.0));
+            let cell = CellKey::containing(at, normal, level);
+            let placed = self.record(&cell)?;
+            Some((cell, PlacedCell { placed, above: 0 }))
+        };
+        grid.filter_map(cell).collect()
+    }
+
+    /// The record of a cell.
+    fn record(&self, cell: &CellKey) -> Option<PlacedRecord> {
+        let place = || place(self.scene, cell, self.seed, &mut QueryState::default());
+        *self.records.entry(*cell).or_insert_with(place)
     }
 
     /// The level of the largest cell at a point that its surroundings allow.
@@ -206,14 +244,10 @@ impl<'a> Placement<'a> {
 
     /// The cell whose record covers a point: at a level, or below if several surfaces share that.
     fn cell_of(&self, seen: &SeenPoint, level: i32) -> Option<(CellKey, PlacedCell)> {
-        let query_state = &mut QueryState::default();
         let (point, finest) = (&seen.point, seen.level + FINEST);
         (finest - BELOW..=level).rev().find_map(|level| {
             let cell = CellKey::containing(point.position, point.shading_normal, level);
-            let record = *self
-                .records
-                .entry(cell)
-                .or_insert_with(|| place(self.scene, &cell, self.seed, query_state));
+            let record = self.record(&cell);
             let placed = record.filter(|placed| self.covers(&placed.record, point))?;
             let above = (level - finest).max(0) as u8;
             Some((cell, PlacedCell { placed, above }))

@@ -5,15 +5,17 @@ use crate::camera::CameraPath;
 use crate::integrator::{IntegratorError, IntegratorSettings};
 use crate::irradiance_cache::IrradianceCache;
 use crate::metrics::{BiasCheck, Estimate, HeldOutPixel};
-use crate::render::{ErrorEstimate, PixelSampling, ChosenPixel, RenderSettings, Renderer, hold_out};
+use crate::render::{
+    ChosenPixel, ErrorEstimate, PixelSampling, RenderSettings, Renderer, hold_out,
+};
 use crate::sampling::SobolSequence;
 use crate::scene::Scene;
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Pixels, of all frames together, at which the noise of the cache is looked at, and bounds of those of a frame.
-const ALL_SURVEYED: u32 = 1 << 20;
-const MIN_SURVEYED: u32 = 1024;
+const ALL_SURVEYED: u32 = 1 << 19;
+const MIN_SURVEYED: u32 = 512;
 const MAX_SURVEYED: u32 = 8192;
 
 /// One pixel of this many in a sequence is held out.
@@ -73,7 +75,10 @@ pub fn cache_errors(
     let splits = vec![2 * PATHS];
     let path_traced = of_integrator(IntegratorSettings::PathTraced { bounces, splits }, cache)?;
     let [half_a, half_b] = cache.halves();
-    let (half_a, half_b) = (of_integrator(cached(), &half_a)?, of_integrator(cached(), &half_b)?);
+    let (half_a, half_b) = (
+        of_integrator(cached(), &half_a)?,
+        of_integrator(cached(), &half_b)?,
+    );
     if bounces == 0 {
         return Ok(Vec::new());
     }
@@ -97,7 +102,9 @@ pub fn cache_errors(
 /// The error of each frame.
 fn errors(frames: &[SurveyedFrame]) -> Vec<ErrorEstimate> {
     // Each held-out pixel with the noise of its frame.
-    let pixels = frames.iter().flat_map(|frame| frame.errors.iter().map(|&e| (e, frame.noise)));
+    let pixels = frames
+        .iter()
+        .flat_map(|frame| frame.errors.iter().map(|&e| (e, frame.noise)));
     let pixels: Vec<(f64, f64)> = pixels.collect();
     let window = WINDOW.min(pixels.len());
     let mut before = 0;
@@ -141,7 +148,9 @@ impl Survey<'_> {
             (x.min(width - 1), y.min(height - 1))
         };
         let pixels: Vec<(u32, u32)> = (0..self.surveyed).map(pixel).collect();
-        let [a, b] = self.halves.map(|half| half.render_pixels(&camera, frame, &pixels));
+        let [a, b] = self
+            .halves
+            .map(|half| half.render_pixels(&camera, frame, &pixels));
         let noise = a.iter().zip(&b).map(|([a, _], [b, _])| self.noise(*a, *b));
         let noise: Vec<f64> = noise.collect();
         let weights: Vec<f32> = noise.iter().map(|noise| noise.sqrt() as f32).collect();

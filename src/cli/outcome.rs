@@ -1,6 +1,5 @@
 //! How a command ends, and what it says: exit status, errors, results and warnings.
 
-use crate::job::JobError;
 use crate::render::ErrorEstimate;
 use crate::text::visible;
 use rustix::io::Errno;
@@ -39,9 +38,6 @@ impl Status {
     /// What an error leads to: trying again may help where the system lacked something for the moment, as room on a
     /// disk or a thread.
     pub(super) fn of(error: &(dyn Error + 'static)) -> Status {
-        if let Some(JobError::CacheChanged { .. }) = error.downcast_ref() {
-            return Status::SomeFailed;
-        }
         let mut causes = successors(Some(error), |&error| error.source());
         let system = causes.find_map(|cause| cause.downcast_ref::<io::Error>());
         match system {

@@ -68,13 +68,17 @@ pub fn eye_above(
         t_max: 2.0 * height,
         ..point.spawn_ray(point.geometric_normal)
     };
-    let free = scene.closest(&ray, query_state).map_or(2.0 * height, |hit| hit.t as f32);
+    let free = scene
+        .closest(&ray, query_state)
+        .map_or(2.0 * height, |hit| hit.t as f32);
     point.position + 0.5 * free * point.geometric_normal
 }
 
 /// Whether other surfaces near a surface point may stand between it and points up to `radius` metres away.
 pub fn is_obstructed(scene: &Scene, point: &SurfacePoint, radius: f32) -> bool {
-    scene.clearance(point, OBSTRUCTION_SINE, radius.into()).is_some()
+    scene
+        .clearance(point, OBSTRUCTION_SINE, radius.into())
+        .is_some()
 }
 
 /// Whether a surface point sees a position above it.

@@ -117,7 +117,9 @@ impl<F: Features> SecondaryLight<'_, F> {
         bounces_left: u32,
         query_state: &mut QueryState,
     ) -> Option<Vec3> {
-        let record = self.irradiance.record(cell, || self.place(&cell, query_state))?;
+        let record = self
+            .irradiance
+            .record(cell, || self.place(&cell, query_state))?;
         if !self.is_valid(point, &record.place, cell.side(), query_state) {
             return None;
         }

@@ -103,6 +103,7 @@ fn facing(normal: Vec3) -> u8 {
 mod tests {
     use super::*;
     use crate::sampling::Random;
+    use glam::Vec3Swizzles;
 
     #[test]
     fn cells_contain_their_points() {
@@ -122,7 +123,10 @@ mod tests {
             assert!(cell.faces(normal) && !cell.faces(-normal));
             // Neighbours in every direction are others.
             let beside = position + cell.axis().zxy() * 1.01 * cell.side();
-            assert_ne!(CellKey::containing(beside, normal, level).words(), cell.words());
+            assert_ne!(
+                CellKey::containing(beside, normal, level).words(),
+                cell.words()
+            );
         }
     }
 

@@ -122,7 +122,11 @@ impl WeightedSums {
         let (p, n) = (record.position, record.normal);
         let scale = 1.0 / (record.radius * record.radius);
         let sure = SURE_HEIGHT * record.radius;
-        let sure = if record.is_obstructed { -1.0 } else { sure * sure };
+        let sure = if record.is_obstructed {
+            -1.0
+        } else {
+            sure * sure
+        };
         let (mut weights, mut excess) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..LANES {
             let (x, y, z) = (px[lane] - p.x, py[lane] - p.y, pz[lane] - p.z);
@@ -140,7 +144,11 @@ impl WeightedSums {
         }
         if sight.blocked != 0 {
             for (lane, weight) in weights.iter_mut().enumerate() {
-                *weight = if sight.blocked >> lane & 1 == 1 { 0.0 } else { *weight };
+                *weight = if sight.blocked >> lane & 1 == 1 {
+                    0.0
+                } else {
+                    *weight
+                };
             }
         }
         if all_zero(&weights) {
@@ -152,7 +160,11 @@ impl WeightedSums {
         }
         let limit = MAX_RADIUS_RATIO * record.radius;
         for (max_radius, weight) in self.max_radius.iter_mut().zip(weights) {
-            *max_radius = if weight > 0.0 { max_radius.min(limit) } else { *max_radius };
+            *max_radius = if weight > 0.0 {
+                max_radius.min(limit)
+            } else {
+                *max_radius
+            };
         }
         for (sum, weight) in self.weights.iter_mut().zip(weights) {
             *sum += weight;

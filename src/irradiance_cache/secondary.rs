@@ -128,7 +128,11 @@ impl Serialize for SecondaryIrradiance {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let stored = |record: &Arc<SecondaryRecord>| StoredRecord {
             place: record.place,
-            values: record.values.iter().map(|value| value.get().copied()).collect(),
+            values: record
+                .values
+                .iter()
+                .map(|value| value.get().copied())
+                .collect(),
         };
         let cells = self.cells.iter();
         let mut cells: Vec<_> = cells
@@ -150,7 +154,9 @@ impl From<StoredRecords> for SecondaryIrradiance {
             let values = values.into_iter();
             Arc::new(SecondaryRecord {
                 place,
-                values: values.map(|value| value.map_or_else(OnceLock::new, OnceLock::from)).collect(),
+                values: values
+                    .map(|value| value.map_or_else(OnceLock::new, OnceLock::from))
+                    .collect(),
             })
         };
         let cells = stored.cells.into_iter();

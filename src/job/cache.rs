@@ -34,8 +34,6 @@ pub enum KeepCache {
 #[derive(Debug)]
 pub struct OpenedCache {
     file: Option<CacheFile>,
-    /// Whether other jobs may write the file.
-    is_shared: bool,
     found: Option<BakeState>,
     /// Names the path in the cache.
     path_hash: String,
@@ -55,10 +53,8 @@ impl OpenedCache {
         let path_hash = inputs.path_hash.to_string();
         let of_build =
             |file: &Path, build: &str| CacheFile::new(file, cache_hash(inputs, settings, build));
-        let is_shared = matches!(location, CacheLocation::Shared(_));
         let opened = |file: Option<CacheFile>, found: Option<BakeState>, build: &str| OpenedCache {
             file,
-            is_shared,
             found,
             path_hash: path_hash.clone(),
             build: build.to_owned(),
@@ -94,11 +90,9 @@ impl OpenedCache {
         Ok(opened(Some(cache), found, BUILD))
     }
 
-    /// What the cache will be made from beside scene and settings: the paths that it will be baked for, by their hashes
-    /// and in order, and the build that began it, if it is another one.
+    /// What the cache is made from beside scene, path and settings.
     pub fn identity(&self) -> CacheIdentity {
         CacheIdentity {
-            paths: with_path(&paths_of(self.found.as_ref()), &self.path_hash),
             other_build: (self.build != BUILD).then(|| self.build.clone()),
         }
     }
@@ -127,8 +121,9 @@ impl OpenedCache {
         {
             // If it cannot be locked it cannot be written, which is found below.
             lock = file.lock(waiting).ok().flatten();
-            if let Some(baked) = self.baked_meanwhile(file)? {
-                self.found = Some(baked);
+            // What other jobs have baked meanwhile, now that nobody else writes the file.
+            if let Some(now) = file.read(false).ok().flatten() {
+                self.found = Some(now);
             }
         }
         let is_complete = self.is_complete(settings);
@@ -167,34 +162,6 @@ impl OpenedCache {
         drop(lock);
         Ok((baked, not_kept))
     }
-
-    /// What another process has baked meanwhile for the same frames, now that nobody else writes the file.
-    fn baked_meanwhile(&self, file: &CacheFile) -> Result<Option<BakeState>, JobError> {
-        let now = file.read(false).ok().flatten();
-        let paths = paths_of(now.as_ref());
-        if paths == self.identity().paths {
-            Ok(now)
-        } else if paths == paths_of(self.found.as_ref()) || !self.is_shared {
-            Ok(None)
-        } else {
-            Err(JobError::CacheChanged {
-                file: file.path().to_owned(),
-            })
-        }
-    }
-}
-
-/// The hashes of the paths that a cache is baked for, in order.
-fn paths_of(state: Option<&BakeState>) -> Vec<String> {
-    let names = |state: &BakeState| state.camera_paths().map(str::to_owned).collect();
-    state.map_or(Vec::new(), names)
-}
-
-/// The paths of a cache when it is baked for this one, too.
-pub(super) fn with_path(paths: &[String], path: &str) -> Vec<String> {
-    let is_there = paths.iter().any(|there| there == path);
-    let added = (!is_there).then(|| path.to_owned());
-    paths.iter().cloned().chain(added).collect()
 }
 
 #[cfg(test)]
@@ -224,7 +191,7 @@ mod tests {
         };
         let none = open(&["older"]).expect("no file yet");
         assert!(none.found.is_none());
-        let state = BakeState::new(2, 0, 0);
+        let state = BakeState::new(2, 0);
         let older = CacheFile::new(&file, cache_hash(&inputs, &settings, "older"));
         older
             .finish(older.begin().expect("can be written"), &state)
@@ -235,7 +202,6 @@ mod tests {
         ));
         let accepted = open(&["oldest", "older"]).expect("accepted");
         assert!(accepted.found.is_some());
-        assert_eq!(accepted.identity().paths, none.identity().paths);
         assert_ne!(accepted.identity(), none.identity());
     }
 }

@@ -69,15 +69,6 @@ pub enum JobError {
     /// A file beside the frames cannot be written.
     #[error(transparent)]
     File(#[from] FileError),
-    /// Another job has written to the shared irradiance cache meanwhile.
-    #[error(
-        "{file}: another job has added its camera path to the cache meanwhile; run the same command again",
-        file = .file.display()
-    )]
-    CacheChanged {
-        /// The file.
-        file: PathBuf,
-    },
     /// The irradiance cache has the name of another file of the job.
     #[error("--gi-cache: {file}: is a file of the scene, the path or the frames; use another name", file = .file.display())]
     CacheName {

@@ -12,11 +12,9 @@ use serde_json::{Map, Value, json};
 /// whichever machine compiles it.
 pub const BUILD: &str = env!("FLYTHROUGH_BUILD");
 
-/// What an irradiance cache is made from, beside scene and settings.
+/// What an irradiance cache is made from, beside scene, path and settings: what it holds for other paths changes nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CacheIdentity {
-    /// Hashes of the paths for which it is baked, in order.
-    pub paths: Vec<String>,
     /// The build of the program that began it, if it is another one than this.
     pub other_build: Option<String>,
 }
@@ -45,11 +43,8 @@ impl SequenceInputs<'_> {
         if self.format != FrameFormat::default() {
             data["format"] = json!(self.format);
         }
-        if let Some(CacheIdentity { paths, other_build }) = self.cache {
-            data["irradiance_cache"] = json!(paths);
-            if let Some(build) = other_build {
-                data["cache_build"] = json!(build);
-            }
+        if let Some(build) = self.cache.and_then(|cache| cache.other_build.as_ref()) {
+            data["cache_build"] = json!(build);
         }
         let path = &self.inputs.path.path;
         let hash = |frame| {

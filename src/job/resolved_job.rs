@@ -1,12 +1,12 @@
 //! A job resolved: inputs loaded, settings complete, and what its frames are made from known.
 
-use super::cache::{CacheLocation, KeepCache, OpenedCache, with_path};
+use super::cache::{CacheLocation, KeepCache, OpenedCache};
 use super::error::JobError;
-use super::identity::{BUILD, CacheIdentity, SequenceInputs, cache_hash};
+use super::identity::{BUILD, CacheIdentity, SequenceInputs};
 use super::inputs::Inputs;
 use super::options::JobOptions;
 use super::spec::{Spec, is_same};
-use crate::bake::{Baked, CacheFile, CacheFileError, Listener};
+use crate::bake::{Baked, CacheFileError, Listener};
 use crate::forecast::Workload;
 use crate::frames::{FrameFolder, SequenceRecord, is_name_of_frames};
 use crate::input::{GlobalIllumination, Mode, Samples, Settings};
@@ -123,24 +123,11 @@ impl Job {
         recorded.is_some_and(|there| there.has_the_files_of(&self.spec))
     }
 
-    /// What has changed since the job was loaded: files of the scene and the path, and the shared irradiance cache. What
-    /// frames were made from is no longer what is there.
+    /// The files of the scene and the path that have changed since the job was loaded: what frames were made from is no longer
+    /// what is there.
     pub fn changed_inputs(&self) -> Vec<PathBuf> {
-        let mut changed: Vec<PathBuf> = self
-            .inputs
-            .changed_files()
-            .into_iter()
-            .map(Path::to_owned)
-            .collect();
-        if let (Some(file), Some(identity)) = (&self.spec.irradiance_cache, &self.cache_identity) {
-            let build = identity.other_build.as_deref().unwrap_or(BUILD);
-            let cache = CacheFile::new(file, cache_hash(&self.inputs, &self.settings, build));
-            let own = self.inputs.path_hash.to_string();
-            if with_path(&cache.camera_paths(), &own) != identity.paths {
-                changed.push(file.clone());
-            }
-        }
-        changed
+        let changed = self.inputs.changed_files().into_iter();
+        changed.map(Path::to_owned).collect()
     }
 
     /// Its threads, for other work than its own.

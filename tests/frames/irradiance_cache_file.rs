@@ -110,46 +110,37 @@ fn another_path_adds_the_records_it_needs() {
     let printed = assert_done(folder.bake("right.ron", &[]));
     assert!(printed.contains("irradiance cache read"), "{printed}");
     assert!(both == fs::read(&cache).unwrap());
-    // Frames with the records of one path are not mixed with frames with those of both.
+    // What the file holds for another path changes no frame.
     let more = ["--gi-cache", &cache, "--frames", "1"];
-    for (path, missing) in [("left", "0\n2\n3\n"), ("right", "2\n3\n")] {
+    for path in ["left", "right"] {
         assert_done(folder.render(&format!("{path}.ron"), path, &more));
         let listed = flythrough(&["missing", &folder.text(path)]);
-        assert_eq!(String::from_utf8(listed.stdout).unwrap(), missing);
+        assert_eq!(String::from_utf8(listed.stdout).unwrap(), "2\n3\n");
+        let alone = format!("{path}_alone");
+        assert_done(folder.render(&format!("{path}.ron"), &alone, &["--frames", "0-1"]));
+        for number in 0..2 {
+            assert!(folder.frame(path, number) == folder.frame(&alone, number));
+        }
     }
 }
 
-/// Two paths at once: whoever is late runs again, and a success is one.
+/// Two paths at once: both are rendered, and the file has the records of both.
 #[test]
 fn paths_that_are_baked_into_one_file_at_once_do_not_lose_each_other() {
     let folder = Folder::new();
     let cache = folder.text("gi.cache");
     let render = |path: &str| folder.render(&format!("{path}.ron"), path, &["--gi-cache", &cache]);
-    let both = || {
-        std::thread::scope(|scope| {
-            let left = scope.spawn(|| render("left"));
-            let right = render("right");
-            [left.join().unwrap(), right]
-        })
-    };
-    // The second time whoever was late adds its path, which makes the frames of the other stale.
-    for number in 0..3 {
-        let results = both();
-        for ((status, printed), out) in results.iter().zip(["left", "right"]) {
-            assert!(matches!(status, Some(0 | 3)), "{printed}");
-            let verified = flythrough(&["verify", &folder.text(out)]).status.code();
-            assert!(
-                verified == Some(0) || *status == Some(3) || number < 2,
-                "{printed}"
-            );
-        }
-    }
-    for path in ["left", "right"] {
-        assert_done(render(path));
-        assert_eq!(
-            flythrough(&["verify", &folder.text(path)]).status.code(),
-            Some(0)
-        );
+    let results = std::thread::scope(|scope| {
+        let left = scope.spawn(|| render("left"));
+        let right = render("right");
+        [left.join().unwrap(), right]
+    });
+    for (result, path) in results.into_iter().zip(["left", "right"]) {
+        assert_done(result);
+        let verified = flythrough(&["verify", &folder.text(path)]).status.code();
+        assert_eq!(verified, Some(0));
+        let printed = assert_done(folder.bake(&format!("{path}.ron"), &[]));
+        assert!(printed.contains("irradiance cache read"), "{printed}");
     }
 }
 

@@ -110,7 +110,7 @@ fn the_estimated_error_is_right_and_below_the_target() {
     let references = [1, 4, 7].map(|n| (n, path_traced(&scene, &path, paths, n)));
     let (usual, finer) = (baked(None), baked(Some(2e-4)));
     assert!(usual.reaches_target && finer.reaches_target);
-    assert!(finer.state.refinement_level() > usual.state.refinement_level());
+    assert!(finer.state.refinement_level("path") > usual.state.refinement_level("path"));
     for (baked, most) in [(&usual, 0.001), (&finer, 2e-4)] {
         assert_eq!(baked.errors.len(), 9);
         let errors = references.each_ref().map(|(number, reference)| {

@@ -1,30 +1,18 @@
 //! The records of one or more camera paths and their values, as a file keeps them between runs.
 
 use super::candidates::PathProbe;
+use super::counter::counter;
 use super::finest_view::FinestView;
-use super::fit_gradients::{Fits, GatheredValue};
-use super::gather::{GatherPass, GatherSettings};
-use super::placement::{MAX_ABOVE, MAX_ANGLE, PlacedCell, PlacedRecord, Placement};
+use super::gather::{GatherDemand, GatherSettings};
+use super::gathered_light::{GatheredLight, PathCells, RecordKey};
+use super::placement::{MAX_ABOVE, PlacedCell, Placement};
 use crate::camera::CameraPath;
 use crate::integrator::FinalGather;
-use crate::irradiance_cache::{
-    CellKey, IrradianceCache, IrradianceRecord, IrradianceRecords, PrimaryIrradiance,
-    SecondaryIrradiance,
-};
+use crate::irradiance_cache::{CellKey, IrradianceCache};
 use crate::render::ErrorEstimate;
 use crate::scene::Scene;
-use glam::Vec3;
 use postcard::ser_flavors::Size;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// By how much values may be off a function through those around them, in the mean and relative to it; and in the smallest
-/// cells.
-const MISFIT: f64 = 0.03;
-const STEP: f64 = 0.15;
 
 /// Called with the progress, from 0 to 1, and the current stage.
 pub type Listener<'a> = &'a (dyn Fn(f64, &'static str) + Sync);
@@ -34,18 +22,6 @@ pub type Listener<'a> = &'a (dyn Fn(f64, &'static str) + Sync);
 const SEEN: f64 = 0.03;
 const PLACED: f64 = 0.1;
 pub(super) const GATHERED: f64 = 0.9;
-
-/// Calls `report` with the part of `all` that is done, for some of the times that it is called.
-fn counter(all: usize, report: impl Fn(f64) + Sync) -> impl Fn() + Sync {
-    let done = AtomicUsize::new(0);
-    let stride = all.div_ceil(256).max(1);
-    move || {
-        let before = done.fetch_add(1, Ordering::Relaxed);
-        if before.is_multiple_of(stride) {
-            report(before as f64 / all as f64);
-        }
-    }
-}
 
 /// The irradiance records of some camera paths, and what it takes to add those of further paths.
 ///
@@ -57,31 +33,6 @@ pub struct BakeState {
     bounces: u32,
     lights: Vec<GatheredLight>,
     paths: Vec<PathRecords>,
-}
-
-/// What is gathered with the same settings.
-#[derive(Debug, Serialize, Deserialize)]
-struct GatheredLight {
-    settings: GatherSettings,
-    secondary: Arc<SecondaryIrradiance>,
-    primary: BTreeMap<RecordKey, GatheredRecord>,
-}
-
-/// What a primary record is, beside the settings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-struct RecordKey {
-    bounces_left: u8,
-    /// The binary logarithm of the factor to the paths of the smallest.
-    paths: u8,
-    cell: CellKey,
-}
-
-/// A primary record and its value.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct GatheredRecord {
-    placed: PlacedRecord,
-    /// E / π in W/(sr m²), by each half of the paths.
-    halves: [Vec3; 2],
 }
 
 /// What the frames of a camera path look up.
@@ -141,20 +92,14 @@ impl BakeState {
         }
     }
 
-    fn light(&self, settings: GatherSettings) -> Option<&GatheredLight> {
-        self.lights.iter().find(|light| light.settings == settings)
-    }
-
     /// The irradiance cache that the frames of a path use; none if it does not hold that path.
     pub fn irradiance_cache(&self, scene: &Scene, name: &str) -> Option<IrradianceCache> {
         let path = self.path(name)?;
-        let light = self.light(path.settings)?;
-        let primary =
-            |bounces_left: u8| light.primary_irradiance(scene, bounces_left, &path.records);
-        Some(IrradianceCache {
-            primary: (1..=self.bounces as u8).map(primary).collect(),
-            secondary: light.secondary.clone(),
-        })
+        let light = self
+            .lights
+            .iter()
+            .find(|light| light.settings() == path.settings)?;
+        Some(light.irradiance_cache(scene, self.bounces, &path.records))
     }
 
     /// Adds the records of a path whose frames have `size` columns and rows, in place of those of another level. At each
@@ -172,7 +117,7 @@ impl BakeState {
         reserve: &mut impl FnMut(u64) -> Result<(), E>,
     ) -> Result<(), E> {
         /// How often records are added where the first ones turn out to be too far apart.
-        const ROUNDS: u32 = 4;
+        const ROUNDS: i32 = 4;
         let probe = PathProbe {
             scene,
             path,
@@ -190,59 +135,53 @@ impl BakeState {
             listener(SEEN + (PLACED - SEEN) * part, "primary records");
         });
         let mut placements = Placement::of_path(&probe, refinement_level, &views, placed);
+        let mut records = records_of(&placements);
         let final_gather = FinalGather::new(scene);
-        let directly = placements.last().map(|placement| &placement.cells);
-        let settings = GatherSettings::for_records(
-            &final_gather,
+        let is_seen_directly = |key: &RecordKey| u32::from(key.bounces_left) == self.bounces;
+        let seen_directly = records.iter().filter(|(key, _)| is_seen_directly(key));
+        let settings = GatherSettings::for_records(&GatherDemand {
+            final_gather: &final_gather,
             scene,
-            &directly
-                .into_iter()
-                .flatten()
-                .map(|(&cell, placed)| (cell, placed.placed))
+            seen_directly: &seen_directly
+                .map(|(key, placed)| (key.cell, *placed))
                 .collect::<Vec<_>>(),
-            records_of(&placements)
-                .iter()
-                .map(|(key, _)| 1 << key.paths)
-                .sum(),
-            self.bounces,
-            self.seed,
+            paths: records.keys().map(|key| 1 << key.paths).sum(),
+            bounces: self.bounces,
+            seed: self.seed,
             refinement_level,
-        );
+        });
         let light = self.light_of(settings);
-        let mut progress = PLACED;
+        reserve(self.stored_bytes(light, &records, path))?;
+        let light = &mut self.lights[light];
         for round in 0..=ROUNDS {
-            let records = records_of(&placements);
-            let missing = |(key, _): &&(RecordKey, PlacedRecord)| {
-                !self.lights[light].primary.contains_key(key)
-            };
-            let mut new: Vec<_> = records.iter().filter(missing).copied().collect();
-            if round == 0 {
-                reserve(self.stored_bytes(records.len(), new.len(), path))?;
-            }
             // Later rounds are mostly shorter.
-            let from = progress;
-            progress = 0.5 * (from + GATHERED);
-            let on_record = counter(new.len(), |part| {
-                listener(from + (progress - from) * part, "irradiance");
+            let [from, to] = [round, round + 1].map(|round| {
+                let rest = 0.5_f64.powi(round);
+                rest * PLACED + (1.0 - rest) * GATHERED
             });
-            self.gather(&final_gather, light, &mut new, &on_record);
-            let keys = records.iter().map(|(key, _)| *key).collect();
-            if new.is_empty() || round == ROUNDS {
-                self.paths.retain(|path| path.name != name);
-                self.paths.push(PathRecords {
-                    name: name.to_owned(),
-                    refinement_level,
-                    settings,
-                    records: keys,
-                    display_white: 0.0,
-                    errors: None,
-                });
+            let report = |part| listener(from + (to - from) * part, "irradiance");
+            light.gather(&final_gather, &records, self.seed, report);
+            if round == ROUNDS {
                 break;
             }
             for (bounces_left, placement) in (1..).zip(&mut placements) {
-                placement.refine(self.lights[light].too_far_apart(scene, bounces_left, &keys));
+                placement.refine(light.too_far_apart(scene, bounces_left, &records));
             }
+            let refined = records_of(&placements);
+            if refined.keys().eq(records.keys()) {
+                break;
+            }
+            records = refined;
         }
+        self.paths.retain(|path| path.name != name);
+        self.paths.push(PathRecords {
+            name: name.to_owned(),
+            refinement_level,
+            settings,
+            records: records.into_keys().collect(),
+            display_white: 0.0,
+            errors: None,
+        });
         Ok(())
     }
 
@@ -251,79 +190,30 @@ impl BakeState {
         let known = self
             .lights
             .iter()
-            .position(|light| light.settings == settings);
+            .position(|light| light.settings() == settings);
         known.unwrap_or_else(|| {
-            let bounces = self.bounces.saturating_sub(1);
-            let secondary = SecondaryIrradiance::new(settings.secondary, bounces);
-            self.lights.push(GatheredLight {
-                settings,
-                secondary: Arc::new(secondary),
-                primary: BTreeMap::new(),
-            });
+            self.lights.push(GatheredLight::new(settings, self.bounces));
             self.lights.len() - 1
         })
     }
 
-    /// Gathers the values of new primary records.
-    fn gather(
-        &mut self,
-        final_gather: &FinalGather,
-        light: usize,
-        records: &mut [(RecordKey, PlacedRecord)],
-        on_record: &(dyn Fn() + Sync),
-    ) {
-        let seed = self.seed;
-        let light = &mut self.lights[light];
-        // Those of as many paths together.
-        records.sort_by_key(|(key, _)| *key);
-        for group in records
-            .chunk_by(|(a, _), (b, _)| (a.bounces_left, a.paths) == (b.bounces_left, b.paths))
-        {
-            let (key, _) = group[0];
-            let pass = GatherPass {
-                final_gather,
-                secondary: &light.secondary,
-                bounces_left: key.bounces_left.into(),
-                seed,
-            };
-            let points: Vec<_> = group
-                .iter()
-                .map(|(key, placed)| (key.cell, *placed))
-                .collect();
-            let paths = light.settings.paths << key.paths;
-            let gathered = pass.halves(&points, paths, on_record);
-            let gathered = group.iter().zip(gathered);
-            light
-                .primary
-                .extend(gathered.map(|((key, placed), halves)| {
-                    let record = GatheredRecord {
-                        placed: *placed,
-                        halves,
-                    };
-                    (*key, record)
-                }));
-        }
-    }
-
-    /// Bytes of the state in a file when a path's new records are gathered and its errors are measured.
-    fn stored_bytes(&self, records: usize, new: usize, camera_path: &CameraPath) -> u64 {
+    /// Bytes of the state in a file when the records of a path are gathered and its errors are measured.
+    fn stored_bytes(&self, light: usize, records: &PathCells, path: &CameraPath) -> u64 {
         let now = postcard::serialize_with_flavor(self, Size::default()).expect("plain data");
-        let records = records * size_of::<RecordKey>();
-        let values = new * (size_of::<RecordKey>() + size_of::<GatheredRecord>());
-        let errors = camera_path.timeline().frame_count() as usize * size_of::<ErrorEstimate>();
-        // Lengths, and about as many secondary records as there are in a room.
-        const REST: usize = 1 << 22;
-        (now + records + values + errors + REST) as u64
+        let frames = path.timeline().frame_count() as usize;
+        let errors = frames * size_of::<ErrorEstimate>();
+        (now + self.lights[light].bytes_of_new(records) + errors) as u64
     }
 }
 
-/// The records of the cells of a path, by the number of bounces left less 1.
-fn records_of(placements: &[Placement]) -> Vec<(RecordKey, PlacedRecord)> {
+/// The records of the cells of a path.
+fn records_of(placements: &[Placement]) -> PathCells {
     let of_bounce = |(bounces_left, placement): (u8, &'_ Placement)| {
         let record = move |(&cell, placed): (&CellKey, &PlacedCell)| {
+            let paths = placed.above.min(MAX_ABOVE);
             let key = RecordKey {
                 bounces_left,
-                paths: placed.above.min(MAX_ABOVE),
+                paths,
                 cell,
             };
             (key, placed.placed)
@@ -331,72 +221,4 @@ fn records_of(placements: &[Placement]) -> Vec<(RecordKey, PlacedRecord)> {
         placement.cells.iter().map(record).collect::<Vec<_>>()
     };
     (1..).zip(placements).flat_map(of_bounce).collect()
-}
-
-impl GatheredLight {
-    /// The records among `keys` with a certain number of bounces left, and their values.
-    fn values(
-        &self,
-        bounces_left: u8,
-        keys: &[RecordKey],
-    ) -> (Vec<IrradianceRecord>, Vec<GatheredValue>) {
-        let of_bounce = keys.iter().filter(|key| key.bounces_left == bounces_left);
-        let value = |key: &RecordKey| {
-            let GatheredRecord {
-                placed,
-                halves: [a, b],
-            } = self.primary[key];
-            let value = GatheredValue {
-                point: placed.point,
-                mean_radiance: 0.5 * (a + b),
-                half_difference: 0.5 * (a - b),
-                paths: self.settings.paths << key.paths,
-            };
-            (placed.record, value)
-        };
-        of_bounce.map(value).unzip()
-    }
-
-    /// What frames interpolate.
-    fn primary_irradiance(
-        &self,
-        scene: &Scene,
-        bounces_left: u8,
-        keys: &[RecordKey],
-    ) -> PrimaryIrradiance {
-        let (records, values) = self.values(bounces_left, keys);
-        let gradients = Fits::new(scene, &records, &values).gradients();
-        let (records, order) = IrradianceRecords::new(scene.bounds(), MAX_ANGLE, records);
-        PrimaryIrradiance {
-            values: order.iter().map(|&index| gradients[index][0]).collect(),
-            half_difference: order.iter().map(|&index| gradients[index][1]).collect(),
-            records: Arc::new(records),
-        }
-    }
-
-    /// The records that stand too far apart: those in the smallest cells only at steps.
-    fn too_far_apart(
-        &self,
-        scene: &Scene,
-        bounces_left: u8,
-        keys: &[RecordKey],
-    ) -> impl Iterator<Item = IrradianceRecord> + use<> {
-        let (records, values) = self.values(bounces_left, keys);
-        let of_bounce: Vec<&RecordKey> = keys
-            .iter()
-            .filter(|key| key.bounces_left == bounces_left)
-            .collect();
-        let fits = Fits::new(scene, &records, &values);
-        let numbers = (0..records.len()).into_par_iter();
-        let misfit = |index: usize| {
-            if of_bounce[index].paths > 0 {
-                MISFIT
-            } else {
-                STEP
-            }
-        };
-        let found = numbers.filter(|&index| fits.is_coarse(index, misfit(index)));
-        let found: Vec<IrradianceRecord> = found.map(|index| records[index]).collect();
-        found.into_iter()
-    }
 }

@@ -50,31 +50,43 @@ pub(super) struct GatherSettings {
     pub(super) paths: u32,
 }
 
+/// What asks for settings.
+pub(super) struct GatherDemand<'a> {
+    pub(super) final_gather: &'a FinalGather<'a>,
+    pub(super) scene: &'a Scene,
+    /// The records of a path that are seen directly.
+    pub(super) seen_directly: &'a [(CellKey, PlacedRecord)],
+    /// The paths of all its records, in those of the smallest.
+    pub(super) paths: u64,
+    pub(super) bounces: u32,
+    pub(super) seed: u32,
+    pub(super) refinement_level: u32,
+}
+
 impl GatherSettings {
-    /// The settings that the records of a path ask for: those that are seen directly are given, and for all of them the sum
-    /// of their paths, in those of the smallest. They come in powers of two, so that other paths in the same rooms
+    /// The settings that the records of a path ask for. They come in powers of two, so that other paths in the same rooms
     /// mostly ask for the same.
     ///
     /// Noise decides for all records at once, as values whose own noise decided would be too low: those seem good that
     /// have missed what is bright and rare.
-    pub(super) fn for_records(
-        final_gather: &FinalGather,
-        scene: &Scene,
-        records: &[(CellKey, PlacedRecord)],
-        paths_of_all: u64,
-        bounces: u32,
-        seed: u32,
-        refinement: u32,
-    ) -> GatherSettings {
-        let stride = records.len().div_ceil(PILOTS).max(1);
-        let pilots: Vec<_> = records.iter().step_by(stride).copied().collect();
-        let median = median_distance(scene, &pilots, seed);
-        let level =
-            CellKey::level_of_side(RELATIVE_SECONDARY_SIDE * median) - refinement as i32 / 2;
+    pub(super) fn for_records(demand: &GatherDemand) -> GatherSettings {
+        let GatherDemand {
+            final_gather,
+            scene,
+            seen_directly,
+            paths,
+            bounces,
+            seed,
+            refinement_level,
+        } = *demand;
+        let stride = seen_directly.len().div_ceil(PILOTS).max(1);
+        let pilots: Vec<_> = seen_directly.iter().step_by(stride).copied().collect();
+        let side = RELATIVE_SECONDARY_SIDE * median_distance(scene, &pilots, seed);
+        let level = CellKey::level_of_side(side) - refinement_level as i32 / 2;
         let mut settings = GatherSettings {
             secondary: SecondarySettings {
                 level: level as i8,
-                paths: SECONDARY_PATHS << refinement,
+                paths: SECONDARY_PATHS << refinement_level,
                 seed,
             },
             paths: PATHS,
@@ -91,8 +103,7 @@ impl GatherSettings {
         let noise = mean_relative_variance(&pairs, pilots.iter().map(area)).sqrt();
         let factor = (noise / NOISE).powi(2).clamp(1.0, MOST) as u32;
         let factor = factor.next_power_of_two();
-        let all = paths_of_all * u64::from(PATHS * factor);
-        let few = (ALL_PATHS * u64::from(factor) / all.max(1)).clamp(1, MOST_OF_FEW);
+        let few = (ALL_PATHS / (u64::from(PATHS) * paths).max(1)).clamp(1, MOST_OF_FEW);
         settings.paths *= factor << few.ilog2();
         settings.secondary.paths *= factor.min(MOST_SECONDARY);
         settings

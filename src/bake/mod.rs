@@ -14,9 +14,11 @@
 mod bake_state;
 mod cache_file;
 mod candidates;
+mod counter;
 mod finest_view;
 mod fit_gradients;
 mod gather;
+mod gathered_light;
 mod least_squares;
 mod neighbours;
 mod placement;

@@ -180,14 +180,14 @@ impl<'a> Placement<'a> {
     }
 
     /// Adds smaller cells, of half the side, around records that stand too far apart.
-    pub(super) fn refine(&mut self, too_far_apart: impl Iterator<Item = IrradianceRecord>) {
+    pub(super) fn refine(&mut self, too_far_apart: Vec<IrradianceRecord>) {
         /// The part of a record's radius within which cells get smaller.
         const PART: f32 = 0.8;
         let shrunk = |record: IrradianceRecord| IrradianceRecord {
             radius: PART * record.radius,
             ..record
         };
-        let coarse = too_far_apart.map(shrunk).collect();
+        let coarse = too_far_apart.into_iter().map(shrunk).collect();
         let (coarse, _) = IrradianceRecords::new(self.scene.bounds(), MAX_ANGLE, coarse);
         let finer = |seen: &SeenPoint| -> Vec<(CellKey, PlacedCell)> {
             let (position, normal) = (seen.point.position, seen.point.shading_normal);

@@ -8,8 +8,9 @@ use crate::sampling::SobolSequence;
 use crate::scene::{Scene, SurfacePoint};
 use glam::{Vec3, Vec3Swizzles};
 
-/// The sine of the elevation above which other surfaces may stand between a record and points around it.
-const OBSTRUCTION_SINE: f64 = 0.02;
+/// The sine of the elevation above which surfaces are others that may stand between a record and points around it: the own one
+/// may be curved. Where lower ones stand records are so much smaller that larger ones do not count.
+const OBSTRUCTION_SINE: f64 = 0.15;
 
 /// A surface point of a cell that faces its way, found by rays along its axis; none if they find none, as where a surface
 /// only grazes the cell. It depends on scene, cell and seed alone.

@@ -43,8 +43,12 @@ impl SequenceInputs<'_> {
         if self.format != FrameFormat::default() {
             data["format"] = json!(self.format);
         }
-        if let Some(build) = self.cache.and_then(|cache| cache.other_build.as_ref()) {
-            data["cache_build"] = json!(build);
+        if let Some(CacheIdentity { other_build }) = self.cache {
+            // Where its records stand depends on the whole path.
+            data["irradiance_cache"] = json!(self.inputs.path_hash.to_string());
+            if let Some(build) = other_build {
+                data["cache_build"] = json!(build);
+            }
         }
         let path = &self.inputs.path.path;
         let hash = |frame| {

@@ -1,0 +1,181 @@
+//! Primary and secondary records that are gathered with the same settings, whichever paths need them.
+
+use super::counter::counter;
+use super::fit_gradients::{Fits, GatheredValue};
+use super::gather::{GatherPass, GatherSettings};
+use super::placement::{MAX_ANGLE, PlacedRecord};
+use crate::integrator::FinalGather;
+use crate::irradiance_cache::{
+    CellKey, IrradianceCache, IrradianceRecord, IrradianceRecords, PrimaryIrradiance,
+    SecondaryIrradiance,
+};
+use crate::scene::Scene;
+use glam::Vec3;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// By how much values may be off a function through those around them, in the mean and relative to it; and in the smallest
+/// cells.
+const MISFIT: f64 = 0.03;
+const STEP: f64 = 0.15;
+
+/// What a primary record is, beside the settings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub(super) struct RecordKey {
+    pub(super) bounces_left: u8,
+    /// The binary logarithm of the factor to the paths of the smallest.
+    pub(super) paths: u8,
+    pub(super) cell: CellKey,
+}
+
+/// The records that a path needs.
+pub(super) type PathCells = BTreeMap<RecordKey, PlacedRecord>;
+
+/// A primary record and its value.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct GatheredRecord {
+    placed: PlacedRecord,
+    /// E / π in W/(sr m²), by each half of the paths.
+    halves: [Vec3; 2],
+}
+
+/// What is gathered with the same settings.
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct GatheredLight {
+    settings: GatherSettings,
+    secondary: Arc<SecondaryIrradiance>,
+    primary: BTreeMap<RecordKey, GatheredRecord>,
+}
+
+impl GatheredLight {
+    /// Nothing yet, for up to `bounces` bounces.
+    pub(super) fn new(settings: GatherSettings, bounces: u32) -> GatheredLight {
+        let secondary = SecondaryIrradiance::new(settings.secondary, bounces.saturating_sub(1));
+        GatheredLight {
+            settings,
+            secondary: Arc::new(secondary),
+            primary: BTreeMap::new(),
+        }
+    }
+
+    /// The settings.
+    pub(super) fn settings(&self) -> GatherSettings {
+        self.settings
+    }
+
+    /// Gathers the values of those records that have none.
+    pub(super) fn gather(
+        &mut self,
+        final_gather: &FinalGather,
+        records: &PathCells,
+        seed: u32,
+        report: impl Fn(f64) + Sync,
+    ) {
+        let new = records
+            .iter()
+            .filter(|(key, _)| !self.primary.contains_key(key));
+        let new: Vec<(RecordKey, PlacedRecord)> =
+            new.map(|(key, placed)| (*key, *placed)).collect();
+        let on_record = counter(new.len(), report);
+        let alike =
+            |a: &RecordKey, b: &RecordKey| (a.bounces_left, a.paths) == (b.bounces_left, b.paths);
+        for group in new.chunk_by(|(a, _), (b, _)| alike(a, b)) {
+            let (key, _) = group[0];
+            let pass = GatherPass {
+                final_gather,
+                secondary: &self.secondary,
+                bounces_left: key.bounces_left.into(),
+                seed,
+            };
+            let in_cells: Vec<_> = group
+                .iter()
+                .map(|(key, placed)| (key.cell, *placed))
+                .collect();
+            let halves = pass.halves(&in_cells, self.settings.paths << key.paths, &on_record);
+            let gathered = group.iter().zip(halves);
+            self.primary.extend(
+                gathered.map(|(&(key, placed), halves)| (key, GatheredRecord { placed, halves })),
+            );
+        }
+    }
+
+    /// Bytes in a file of those records that are not there yet.
+    pub(super) fn bytes_of_new(&self, records: &PathCells) -> usize {
+        // About as many secondary records as there are in a room.
+        const SECONDARY: usize = 1 << 22;
+        let new = records
+            .keys()
+            .filter(|key| !self.primary.contains_key(key))
+            .count();
+        let of_new = new * (size_of::<RecordKey>() + size_of::<GatheredRecord>());
+        of_new + records.len() * size_of::<RecordKey>() + SECONDARY
+    }
+
+    /// What frames look up that need these records.
+    pub(super) fn irradiance_cache(
+        &self,
+        scene: &Scene,
+        bounces: u32,
+        keys: &[RecordKey],
+    ) -> IrradianceCache {
+        let primary = |bounces_left: u8| {
+            let (records, values) = self.values(bounces_left, keys.iter());
+            let gradients = Fits::new(scene, &records, &values).gradients();
+            let (records, order) = IrradianceRecords::new(scene.bounds(), MAX_ANGLE, records);
+            PrimaryIrradiance {
+                values: order.iter().map(|&index| gradients[index][0]).collect(),
+                half_difference: order.iter().map(|&index| gradients[index][1]).collect(),
+                records: Arc::new(records),
+            }
+        };
+        IrradianceCache {
+            primary: (1..=bounces as u8).map(primary).collect(),
+            secondary: self.secondary.clone(),
+        }
+    }
+
+    /// The records with a certain number of bounces left that stand too far apart: those in the smallest cells only at steps.
+    pub(super) fn too_far_apart(
+        &self,
+        scene: &Scene,
+        bounces_left: u8,
+        records: &PathCells,
+    ) -> Vec<IrradianceRecord> {
+        let of_bounce = records
+            .keys()
+            .filter(|key| key.bounces_left == bounces_left);
+        let misfits: Vec<f64> = of_bounce
+            .map(|key| if key.paths > 0 { MISFIT } else { STEP })
+            .collect();
+        let (records, values) = self.values(bounces_left, records.keys());
+        let fits = Fits::new(scene, &records, &values);
+        let numbers = (0..records.len()).into_par_iter();
+        let found = numbers.filter(|&index| fits.is_coarse(index, misfits[index]));
+        found.map(|index| records[index]).collect()
+    }
+
+    /// The records among `keys` with a certain number of bounces left, and their values.
+    fn values<'k>(
+        &self,
+        bounces_left: u8,
+        keys: impl Iterator<Item = &'k RecordKey>,
+    ) -> (Vec<IrradianceRecord>, Vec<GatheredValue>) {
+        let value = |key: &RecordKey| {
+            let GatheredRecord {
+                placed,
+                halves: [a, b],
+            } = self.primary[key];
+            let value = GatheredValue {
+                point: placed.point,
+                mean_radiance: 0.5 * (a + b),
+                half_difference: 0.5 * (a - b),
+                paths: self.settings.paths << key.paths,
+            };
+            (placed.record, value)
+        };
+        let of_bounce = keys.filter(|key| key.bounces_left == bounces_left);
+        of_bounce.map(value).unzip()
+    }
+}

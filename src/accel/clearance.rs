@@ -200,14 +200,14 @@ mod tests {
         };
         assert_eq!(up(&plate(0.0, 0.0), &[]), None);
         assert_eq!(up(&plate(-0.1, 0.0), &[]), None);
-        let above = up(&plate(0.3, 0.0), &[]).unwrap();
+        let above = up(&plate(0.3, 0.0), &[]).expect("a plate");
         assert!((above - 0.3).abs() < 1e-6, "{above}");
         assert_eq!(up(&plate(0.3, 9.0), &[]), None);
-        let ball = up(&[], &[Sphere::new(DVec3::Y, 0.25)]).unwrap();
+        let ball = up(&[], &[Sphere::new(DVec3::Y, 0.25)]).expect("a ball");
         assert!((ball - 0.75).abs() < 0.02, "{ball}");
         assert_eq!(up(&[], &[Sphere::new(-DVec3::Y, 1.0)]), None);
         // From within a sphere, points at distance D have the height D^2 / 2 R.
-        let within = up(&[], &[Sphere::new(DVec3::Y, 1.0)]).unwrap();
+        let within = up(&[], &[Sphere::new(DVec3::Y, 1.0)]).expect("a ball");
         assert!((0.26..=0.3).contains(&within), "{within}");
     }
 }

@@ -3,7 +3,7 @@
 //! "Multivariate Interpolation of Large Sets of Scattered Data"). How many neighbours is decided by the values: as many as
 //! agree with fewer, within their noise (Lepski 1990, "On a Problem of Adaptive Estimation in Gaussian White Noise").
 
-use super::least_squares::{COEFFICIENTS, LeastSquares, Pair};
+use super::least_squares::{Coefficients, LeastSquares};
 use super::neighbours::Neighbours;
 use super::placement::MAX_ANGLE;
 use crate::accel::QueryState;
@@ -106,7 +106,7 @@ impl<'a> Fits<'a> {
         }
         let [along_x, along_y] = tangents(record.normal);
         let [value, half_difference] = [0, 1].map(|color| {
-            let [value, x, y, ..] = chosen.coefficients.map(|pair| pair[color].as_vec3());
+            let [value, x, y, ..] = chosen.coefficients[color].map(|c| c.as_vec3());
             let gradient =
                 |channel: usize| (x[channel] * along_x + y[channel] * along_y) / record.radius;
             LinearIrradiance {
@@ -195,7 +195,7 @@ impl Neighbour {
 /// A fit to the neighbours within a reach.
 struct ReachFit {
     /// Of mean radiance and half difference.
-    coefficients: [Pair; COEFFICIENTS],
+    coefficients: Coefficients,
     /// The standard error of the value at the record, by the scatter of the neighbours.
     standard_error: f64,
     /// The mean square by which values are off the function, and that of their own noise.
@@ -219,7 +219,7 @@ fn fit_within(neighbours: &[Neighbour], part: f32) -> ReachFit {
     let (mut weights, mut squared_weights, mut residuals, mut noise) = (0.0, 0.0, 0.0, 0.0);
     for neighbour in neighbours {
         let weight = neighbour.weight * kernel(neighbour).powi(2);
-        let fitted = LeastSquares::value(&coefficients, neighbour.offset);
+        let fitted = LeastSquares::value(&coefficients[0], neighbour.offset);
         let residual = (neighbour.mean_radiance - fitted).element_sum();
         weights += weight;
         squared_weights += weight * weight;

@@ -63,7 +63,11 @@ impl CellKey {
     /// The axis that normals are nearest to.
     pub fn axis(&self) -> Vec3 {
         let mut axis = Vec3::ZERO;
-        axis[usize::from(self.facing / 2)] = if self.facing % 2 == 0 { 1.0 } else { -1.0 };
+        axis[usize::from(self.facing / 2)] = if self.facing.is_multiple_of(2) {
+            1.0
+        } else {
+            -1.0
+        };
         axis
     }
 

@@ -58,11 +58,11 @@ fn main() {
     let bounces = path_traced.integrator.bounces();
 
     let start = Instant::now();
-    let mut state = BakeState::new(&scene, bounces, path_traced.seed, 0);
+    let mut state = BakeState::new(bounces, path_traced.seed);
     let size = (path_traced.width, path_traced.height);
     let room = &mut |_| Ok::<(), Infallible>(());
-    let Ok(()) = state.add_camera_path(&scene, &path, "path", size, &|_, _| (), room);
-    let cache = state.irradiance_cache();
+    let Ok(()) = state.add_camera_path(&scene, &path, "path", size, 0, &|_, _| (), room);
+    let cache = state.irradiance_cache(&scene, "path").unwrap();
     let baked = start.elapsed().as_secs_f64();
     let [primary, secondary] = cache.record_count();
     println!(

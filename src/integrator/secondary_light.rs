@@ -66,6 +66,10 @@ struct SecondaryLight<'a, F> {
 /// Rays shorter than this, in sides of cells, end too close to their origin for records of this size.
 const MIN_DISTANCE: f32 = 2.5;
 
+/// Sizes of cells, and how many levels smaller each is than the last: where surfaces are close together.
+const SIZES: u32 = 2;
+const SMALLER: i32 = 2;
+
 /// Points this far from a record, in sides of its cell, and above or below it, may ask for it.
 const MAX_DISTANCE: f32 = 2.0;
 const MAX_HEIGHT: f32 = 0.4;
@@ -101,11 +105,15 @@ impl<F: Features> SecondaryLight<'_, F> {
         let offset = point.position - place.position;
         let (distance, height) = (offset.length(), offset.dot(place.normal).abs());
         let cosine = point.shading_normal.dot(place.normal);
+        // Irradiance changes too fast for records of this size.
+        if place.is_obstructed {
+            return false;
+        }
         if distance > MAX_DISTANCE * side || height > MAX_HEIGHT * side || cosine < MIN_COSINE {
             return false;
         }
         let turned = distance * (1.0 - cosine * cosine).max(0.0).sqrt();
-        let is_sure = !place.is_obstructed && height < SURE_HEIGHT * side + turned;
+        let is_sure = height < SURE_HEIGHT * side + turned;
         is_sure || sees(self.final_gather.scene(), point, place.eye, query_state)
     }
 
@@ -164,20 +172,25 @@ impl<F: Features> CachedLight for SecondaryLight<'_, F> {
         numbers: [f32; 2],
         query_state: &mut QueryState,
     ) -> Option<Vec3> {
-        let level = self.irradiance.settings().level.into();
         let normal = point.shading_normal;
-        let at = |position: Vec3| CellKey::containing(position, normal, level);
-        let own = at(point.position);
-        if distance < MIN_DISTANCE * own.side() {
-            return None;
+        let mut level = i32::from(self.irradiance.settings().level);
+        for _ in 0..SIZES {
+            let at = |position: Vec3| CellKey::containing(position, normal, level);
+            let own = at(point.position);
+            if distance < MIN_DISTANCE * own.side() {
+                return None;
+            }
+            // A cell close by, by chance: in the mean, edges of cells vanish.
+            let [u, v] = numbers.map(|u| (u - 0.5) * own.side());
+            let beside = at(point.position + to_world(normal, Vec3::new(u, v, 0.0)));
+            for cell in [beside, own] {
+                let value = self.value(point, cell, bounces_left, query_state);
+                if value.is_some() {
+                    return value;
+                }
+            }
+            level -= SMALLER;
         }
-        // A cell close by, by chance: in the mean, edges of cells vanish.
-        let [u, v] = numbers.map(|u| (u - 0.5) * own.side());
-        let beside = at(point.position + to_world(normal, Vec3::new(u, v, 0.0)));
-        let value = self.value(point, beside, bounces_left, query_state);
-        if value.is_none() && beside != own {
-            return self.value(point, own, bounces_left, query_state);
-        }
-        value
+        None
     }
 }

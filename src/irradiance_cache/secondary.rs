@@ -14,7 +14,7 @@ use std::sync::{Arc, OnceLock};
 /// What decides secondary records, beside the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SecondarySettings {
-    /// The level of their cells.
+    /// The level of their largest cells.
     pub level: i8,
     /// Paths that gather a value.
     pub paths: u32,
@@ -31,7 +31,7 @@ pub struct SecondaryPlace {
     pub normal: Vec3,
     /// A point above the record: what sees it sees the record.
     pub eye: Vec3,
-    /// Whether other surfaces are so close that points that ask for it may lie behind them.
+    /// Whether other surfaces are so close that irradiance may change within the cell.
     pub is_obstructed: bool,
 }
 

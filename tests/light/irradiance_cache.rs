@@ -64,12 +64,6 @@ fn mean(pixels: &[Vec3]) -> Vec3 {
     pixels.iter().sum::<Vec3>() / pixels.len() as f32
 }
 
-/// The mean relative square error of pixels against a reference of little noise.
-fn rel_mse(pixels: &[Vec3], reference: &[Vec3]) -> f32 {
-    let error = |(x, r): (&Vec3, &Vec3)| ((x - r).powf(2.0) / (r * r + 0.01)).element_sum() / 3.0;
-    pixels.iter().zip(reference).map(error).sum::<f32>() / pixels.len() as f32
-}
-
 /// Inside a sphere of radius R a light of intensity I anywhere gives the wall the irradiance
 /// rho^k I / R^2 by bounce k, the same everywhere.
 #[test]
@@ -106,8 +100,14 @@ fn the_estimated_error_is_right_and_below_the_target() {
         };
         bake(&scene, &path, "path", &settings, None, &|_, _| ())
     };
-    let paths = scaled(1024, 1024, 2048);
-    let references = [1, 4, 7].map(|n| (n, path_traced(&scene, &path, paths, n)));
+    let settings = settings(monte_carlo(4, &[scaled(256, 512, 2048)]), SIZE.0, SIZE.1);
+    let by_paths = renderer(&scene, &settings);
+    let all: Vec<(u32, u32)> = (0..SIZE.0 * SIZE.1)
+        .map(|index| (index % SIZE.0, index / SIZE.0))
+        .collect();
+    let pixels =
+        |renderer: &Renderer, frame: u32| renderer.render_pixels(&path.camera(frame), frame, &all);
+    let references = [1, 4, 7].map(|frame| (frame, pixels(&by_paths, frame)));
     let usual = baked(None);
     let highest = usual.errors.iter().map(|error| error.interval()[1]);
     let highest = highest.fold(0.0, f64::max);
@@ -117,23 +117,27 @@ fn the_estimated_error_is_right_and_below_the_target() {
     assert!(usual.reaches_target && finer.reaches_target);
     for (baked, most) in [(&usual, 0.001), (&finer, highest)] {
         assert_eq!(baked.errors.len(), 9);
-        let errors = references.each_ref().map(|(number, reference)| {
-            let pixels = cached(&scene, &path, baked, *number);
-            let bias = mean(&pixels) / mean(reference) - 1.0;
-            assert!(bias.abs().max_element() < 0.01, "{number}: {bias}");
-            f64::from(rel_mse(&pixels, reference))
-        });
-        // With 32 paths it is 0.0045.
-        let of_reference = 0.0045 * 32.0 / f64::from(paths);
-        // In units of a display white of 1, where this room is darker than in its own exposure.
-        assert!(errors.iter().all(|error| *error < 0.001), "{errors:?}");
-        let error = errors.iter().sum::<f64>() / 3.0 - of_reference;
-        let [low, high] = [0, 1].map(|end| {
-            let ends = [1, 4, 7].map(|frame| baked.errors[frame].interval()[end]);
-            ends.iter().sum::<f64>() / 3.0
-        });
-        assert!(low < error && error < high, "{low} {error} {high}");
-        assert!(high <= most, "{high}");
+        let cached = Renderer::new(&scene, cached_settings(4), Some(&baked.cache)).unwrap();
+        for (frame, reference) in &references {
+            let both = pixels(&cached, *frame).into_iter().zip(reference);
+            let both = both.map(|(technique, oracle)| HeldOutPixel {
+                technique,
+                oracle: *oracle,
+            });
+            let check = BiasCheck::of(&both.collect::<Vec<_>>(), 0.0);
+            let (bias, square) = (check.mean_bias, check.squared_bias);
+            assert!(
+                bias.mean.abs() < 0.005 + 3.0 * bias.error,
+                "{frame}: {bias:?}"
+            );
+            let [low, high] = baked.errors[*frame as usize].interval();
+            let (least, greatest) = (low - 3.0 * square.error, high + 3.0 * square.error);
+            assert!(
+                (least..greatest).contains(&square.mean),
+                "{low} {square:?} {high}"
+            );
+            assert!(high <= most, "{high}");
+        }
     }
 }
 

@@ -60,3 +60,42 @@ impl Neighbours {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::Random;
+
+    /// All records of like radii within reach are visited, each once.
+    #[test]
+    fn finds_what_brute_force_finds() {
+        let mut random = Random::new(3);
+        let records: Vec<IrradianceRecord> = (0..2000)
+            .map(|_| IrradianceRecord {
+                position: random.vector(1.0),
+                normal: Vec3::Y,
+                radius: 0.01 * libm::exp2f(random.below(5) as f32),
+                eye: Vec3::ZERO,
+                is_obstructed: false,
+            })
+            .collect();
+        let neighbours = Neighbours::new(&records);
+        let mut found = 0;
+        for record in &records[..200] {
+            let mut visits = vec![0; records.len()];
+            let reach = 4.0 * record.radius;
+            neighbours.visit(record.position, record.radius, 2.1, reach, |i| {
+                visits[i] += 1
+            });
+            for (other, visits) in records.iter().zip(visits) {
+                let ratio = other.radius / record.radius;
+                let is_alike = (1.0 / 2.1..=2.1).contains(&ratio);
+                let is_near = other.position.distance(record.position) <= reach;
+                assert!(visits <= u32::from(is_alike));
+                assert!(visits == 1 || !is_alike || !is_near);
+                found += u32::from(is_alike && is_near);
+            }
+        }
+        assert!(found > 500, "{found}");
+    }
+}

@@ -25,8 +25,8 @@ const RELATIVE_SIDE: f64 = 1.0 / 3.0;
 /// The sine of the elevation from which such surfaces count: what is lower sends and takes hardly any light.
 const ELEVATION_SINE: f64 = 0.15;
 
-/// Levels of the smallest and of the largest cells, above that at which a point is seen: sides of 2 to 4, and of 16 to 32
-/// pixels.
+/// Levels of the smallest and of the largest cells, relative to that of [`FinestView::level`]: sides of 2 to 4, and of 16 to
+/// 32 pixels.
 const FINEST: i32 = -2;
 const COARSEST: i32 = 1;
 

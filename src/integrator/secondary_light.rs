@@ -68,7 +68,7 @@ const MIN_DISTANCE: f32 = 2.5;
 
 /// Sizes of cells, and how many levels smaller each is than the last: where surfaces are close together.
 const SIZES: u32 = 2;
-const SMALLER: i32 = 2;
+const SMALLER: i32 = 1;
 
 /// Points this far from a record, in sides of its cell, and above or below it, may ask for it.
 const MAX_DISTANCE: f32 = 2.0;

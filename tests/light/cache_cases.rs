@@ -310,9 +310,7 @@ fn hard_scenes_are_right_and_their_bounds_hold() {
             let [error, standard_error] = outcome.error;
             let is_bounded = error - 3.0 * standard_error <= outcome.bound;
             assert!(is_bounded, "{name} {frame}: {outcome:?}");
-            // Behind the slit a strip of light is narrower than a pixel.
-            let most = if name == "slit" { 0.08 } else { 0.05 };
-            assert!(outcome.worst_block < most, "{name} {frame}: {outcome:?}");
+            assert!(outcome.worst_block < 0.05, "{name} {frame}: {outcome:?}");
         }
     }
 }

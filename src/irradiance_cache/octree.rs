@@ -8,7 +8,7 @@ const LEAF_CAPACITY: usize = 16;
 
 /// Leaves smaller than this fraction of the mean size of their boxes are not split: most boxes would overlap all
 /// children.
-const MIN_RELATIVE_SIZE: f32 = 0.5;
+const MIN_RELATIVE_SIZE: f32 = 1.0;
 
 /// Depth limit.
 const MAX_DEPTH: u32 = 24;

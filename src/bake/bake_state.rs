@@ -145,6 +145,7 @@ impl BakeState {
             seen_directly: &seen_directly
                 .map(|(key, placed)| (key.cell, *placed))
                 .collect::<Vec<_>>(),
+            pixels: frames as u64 * u64::from(size.0) * u64::from(size.1),
             paths: records.keys().map(|key| 1 << key.paths).sum(),
             bounces: self.bounces,
             seed: self.seed,

@@ -27,9 +27,10 @@ const SECONDARY_PATHS: u32 = 64;
 const MOST: f32 = 8.0;
 const MOST_SECONDARY: u32 = 4;
 
-/// Paths of all records together, where there is little noise, that few records share, and how many times as many they get at
-/// most.
-const ALL_PATHS: u64 = 8_000_000;
+/// Bounds of the paths of all records together, where there is little noise, that few records share, one for each pixel of
+/// all frames; and how many times as many they get at most.
+const MIN_ALL_PATHS: u64 = 2_000_000;
+const MAX_ALL_PATHS: u64 = 8_000_000;
 const MOST_OF_FEW: u64 = 8;
 
 /// The standard deviation of a value with the least number of paths, over the value, above which there are more: in rooms
@@ -58,6 +59,8 @@ pub(super) struct GatherDemand<'a> {
     pub(super) seen_directly: &'a [(CellKey, PlacedRecord)],
     /// The paths of all its records, in those of the smallest.
     pub(super) paths: u64,
+    /// The pixels of all frames.
+    pub(super) pixels: u64,
     pub(super) bounces: u32,
     pub(super) seed: u32,
     pub(super) refinement_level: u32,
@@ -75,6 +78,7 @@ impl GatherSettings {
             scene,
             seen_directly,
             paths,
+            pixels,
             bounces,
             seed,
             refinement_level,
@@ -103,7 +107,8 @@ impl GatherSettings {
         let noise = mean_relative_variance(&pairs, pilots.iter().map(area)).sqrt();
         let factor = (noise / NOISE).powi(2).clamp(1.0, MOST) as u32;
         let factor = factor.next_power_of_two();
-        let few = (ALL_PATHS / (u64::from(PATHS) * paths).max(1)).clamp(1, MOST_OF_FEW);
+        let all_paths = pixels.clamp(MIN_ALL_PATHS, MAX_ALL_PATHS);
+        let few = (all_paths / (u64::from(PATHS) * paths).max(1)).clamp(1, MOST_OF_FEW);
         settings.paths *= factor << few.ilog2();
         settings.secondary.paths *= factor.min(MOST_SECONDARY);
         settings

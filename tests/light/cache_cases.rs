@@ -301,7 +301,7 @@ fn hard_scenes_are_right_and_their_bounds_hold() {
             (v(0.8, 0.8, -0.8), v(0.1, 0.3, -1.9), 50.0),
         ],
     );
-    let paths = scaled(128, 256, 1024);
+    let paths = scaled(64, 128, 1024);
     for (name, scene, views) in [figure, gap, shade, shelf, slit] {
         let path = path_of(&views);
         let baked = baked(&scene, &path);
@@ -387,7 +387,7 @@ fn random_case(number: u32) -> (Scene, Vec<View>) {
 /// at most half.
 #[test]
 fn bounds_hold_in_random_scenes() {
-    let cases = scaled(2, 6, 60);
+    let cases = scaled(1, 3, 60);
     let paths = scaled(64, 128, 512);
     let (mut frames, mut above) = (0, 0);
     for number in 0..cases {

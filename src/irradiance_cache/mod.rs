@@ -5,8 +5,9 @@
 //! What is stored is the mean incident radiance: the mean over the hemisphere, weighted by the cosine, of the radiance
 //! that arrives from surfaces. It is the irradiance E divided by π, in W/(sr m²), linear RGB; a Lambert surface of
 //! albedo a sends out a times as much. Light that comes straight from lights and emitters is not part of it; that of the
-//! sky is part of what secondary records hold, and not of primary ones, where shadow rays bring it. Only diffuse reflection uses it: mirrors are traced. Paths have a fixed maximal length, so the value depends on
-//! the bounces left at a point, and each number of bounces left has values of its own.
+//! sky is part of what secondary records hold, and not of primary ones, where shadow rays bring it. Only diffuse reflection
+//! uses it: mirrors are traced. Paths have a fixed maximal length, so the value depends on the bounces left at a point, and
+//! each number of bounces left has values of its own.
 //!
 //! Records stand in cells of space: where, and what they hold, depends on the scene and the seed, not on the frames that
 //! need them. Light does not pass through walls: where a record's own surface is not all that is near, what is looked up

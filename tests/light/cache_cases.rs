@@ -387,7 +387,7 @@ fn random_case(number: u32) -> (Scene, Vec<View>) {
 /// at most half.
 #[test]
 fn bounds_hold_in_random_scenes() {
-    let cases = scaled(1, 3, 60);
+    let cases = scaled(1, 2, 60);
     let paths = scaled(64, 128, 512);
     let (mut frames, mut above) = (0, 0);
     for number in 0..cases {

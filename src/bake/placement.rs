@@ -153,7 +153,7 @@ impl<'a> Placement<'a> {
             let point = candidate.point;
             let level = self.view.level(candidate) - self.refinement;
             let smallest = level + FINEST;
-            let cell = CellKey::containing(point.position, point.shading_normal, smallest);
+            let cell = CellKey::narrow(point.position, point.shading_normal, smallest);
             (cell, SeenPoint { point, level })
         };
         let seen: Vec<(CellKey, SeenPoint)> = candidates.par_iter().map(seen_point).collect();
@@ -245,11 +245,16 @@ impl<'a> Placement<'a> {
     /// The cell whose record covers a point: at a level, or below if several surfaces share that.
     fn cell_of(&self, seen: &SeenPoint, level: i32) -> Option<(CellKey, PlacedCell)> {
         let (point, finest) = (&seen.point, seen.level + FINEST);
-        (finest - BELOW..=level).rev().find_map(|level| {
-            let cell = CellKey::containing(point.position, point.shading_normal, level);
+        let (position, normal) = (point.position, point.shading_normal);
+        let of_level = |level: i32| {
+            let narrow = (level <= finest).then(|| CellKey::narrow(position, normal, level));
+            [Some(CellKey::containing(position, normal, level)), narrow]
+        };
+        let cells = (finest - BELOW..=level).rev().flat_map(of_level).flatten();
+        cells.into_iter().find_map(|cell| {
             let record = self.record(&cell);
             let placed = record.filter(|placed| self.covers(&placed.record, point))?;
-            let above = (level - finest).max(0) as u8;
+            let above = (cell.level() - finest).max(0) as u8;
             Some((cell, PlacedCell { placed, above }))
         })
     }

@@ -4,13 +4,14 @@
 use crate::math::Aabb;
 use glam::{IVec3, Vec3};
 use serde::{Deserialize, Serialize};
+use std::f32::consts::FRAC_PI_4;
 
 /// A cube whose side is a power of two, and the surfaces in it that face one way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct CellKey {
     /// The binary logarithm of the side in metres.
     level: i8,
-    /// The axis that normals are nearest to, times two; one more if it is the negative one.
+    /// The way that its surfaces face: see [`facing`] and [`narrow_facing`].
     facing: u8,
     /// The numbers of cells between it and the origin.
     index: [i32; 3],
@@ -22,16 +23,31 @@ const SHIFT: f32 = 0.381_966;
 /// Axes whose weights differ tell normals between two axes apart whatever their rounding error.
 const AXIS_WEIGHTS: Vec3 = Vec3::new(1.0, 0.97, 0.94);
 
+/// Ways that cells face: one for each half of an axis; and narrow ones, squares on the faces of a cube around the origin, so
+/// many along each edge.
+const WIDE_FACINGS: u8 = 6;
+const NARROW: u8 = 4;
+
 impl CellKey {
     /// The cell of a level that contains a surface point with a unit normal. The level is raised where the coordinates
     /// are too coarse for it.
     pub fn containing(position: Vec3, normal: Vec3, level: i32) -> CellKey {
+        CellKey::of_facing(position, facing(normal), level)
+    }
+
+    /// The same of cells whose surfaces all face about the same way: where surfaces are so curved or small that those of one
+    /// axis differ.
+    pub fn narrow(position: Vec3, normal: Vec3, level: i32) -> CellKey {
+        CellKey::of_facing(position, narrow_facing(normal), level)
+    }
+
+    fn of_facing(position: Vec3, facing: u8, level: i32) -> CellKey {
         let level = level.max(finest_level(position));
         let side = side(level);
         let index = (position / side + SHIFT).floor().as_ivec3();
         CellKey {
             level: level as i8,
-            facing: facing(normal),
+            facing,
             index: index.to_array(),
         }
     }
@@ -62,8 +78,12 @@ impl CellKey {
 
     /// The axis that normals are nearest to.
     pub fn axis(&self) -> Vec3 {
+        let facing = match self.facing.checked_sub(WIDE_FACINGS) {
+            Some(narrow) => narrow / (NARROW * NARROW),
+            None => self.facing,
+        };
         let mut axis = Vec3::ZERO;
-        axis[usize::from(self.facing / 2)] = if self.facing.is_multiple_of(2) {
+        axis[usize::from(facing / 2)] = if facing.is_multiple_of(2) {
             1.0
         } else {
             -1.0
@@ -73,7 +93,12 @@ impl CellKey {
 
     /// Whether surfaces with this normal belong to the cell.
     pub fn faces(&self, normal: Vec3) -> bool {
-        facing(normal) == self.facing
+        let facing = if self.facing < WIDE_FACINGS {
+            facing(normal)
+        } else {
+            narrow_facing(normal)
+        };
+        facing == self.facing
     }
 
     /// Four words that tell it from other cells.
@@ -97,10 +122,24 @@ fn finest_level(position: Vec3) -> i32 {
     (libm::log2f(magnitude).ceil() as i32 - BITS).clamp(-60, 60)
 }
 
+/// The axis that a normal is nearest to, times two; one more if it is the negative one.
 fn facing(normal: Vec3) -> u8 {
     let weighted = normal.abs() * AXIS_WEIGHTS;
     let axis = weighted.max_position();
     2 * axis as u8 + u8::from(normal[axis] < 0.0)
+}
+
+/// The same, in squares of the cube's face: after the wide ones.
+fn narrow_facing(normal: Vec3) -> u8 {
+    let face = facing(normal);
+    let axis = usize::from(face / 2);
+    let square = |along: usize| {
+        let tangent = normal[(axis + along) % 3] / normal[axis].abs();
+        let angle = libm::atanf(tangent) / FRAC_PI_4;
+        let square = (0.5 * (angle + 1.0) * f32::from(NARROW)) as u8;
+        square.min(NARROW - 1)
+    };
+    WIDE_FACINGS + (face * NARROW + square(1)) * NARROW + square(2)
 }
 
 #[cfg(test)]

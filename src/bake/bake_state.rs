@@ -3,6 +3,7 @@
 use super::candidates::PathProbe;
 use super::counter::counter;
 use super::finest_view::FinestView;
+use super::fit_gradients::RecordFit;
 use super::gather::{GatherDemand, GatherSettings};
 use super::gathered_light::{GatheredLight, PathCells, RecordKey};
 use super::placement::{MAX_ABOVE, PlacedCell, Placement};
@@ -42,7 +43,10 @@ struct PathRecords {
     name: String,
     refinement_level: u32,
     settings: GatherSettings,
+    /// In order.
     records: Vec<RecordKey>,
+    /// Of each record.
+    fits: Vec<RecordFit>,
     /// The radiance that is displayed as white: errors are relative to it.
     display_white: f32,
     /// The cache errors, by frame; none before they are measured.
@@ -99,7 +103,7 @@ impl BakeState {
             .lights
             .iter()
             .find(|light| light.settings() == path.settings)?;
-        Some(light.irradiance_cache(scene, self.bounces, &path.records))
+        Some(light.irradiance_cache(scene, self.bounces, &path.records, &path.fits))
     }
 
     /// Adds the records of a path whose frames have `size` columns and rows, in place of those of another level. At each
@@ -174,12 +178,15 @@ impl BakeState {
             }
             records = refined;
         }
+        let records: Vec<RecordKey> = records.into_keys().collect();
+        let fits = light.fits(scene, self.bounces, &records);
         self.paths.retain(|path| path.name != name);
         self.paths.push(PathRecords {
             name: name.to_owned(),
             refinement_level,
             settings,
-            records: records.into_keys().collect(),
+            records,
+            fits,
             display_white: 0.0,
             errors: None,
         });

@@ -9,7 +9,7 @@ use std::time::Duration;
 use thiserror::Error;
 
 /// First bytes of the file: name and version of the format.
-const MAGIC: &[u8] = b"flythrough irradiance cache 4\n";
+const MAGIC: &[u8] = b"flythrough irradiance cache 5\n";
 
 /// Bytes of a hash.
 const HASH: usize = blake3::OUT_LEN;

@@ -7,7 +7,7 @@ use super::least_squares::{Coefficients, LeastSquares};
 use super::neighbours::Neighbours;
 use super::placement::MAX_ANGLE;
 use crate::accel::QueryState;
-use crate::integrator::sees;
+use crate::integrator::{sees_eye, sees_record};
 use crate::irradiance_cache::{IrradianceRecord, LinearIrradiance};
 use crate::math::to_world;
 use crate::scene::{Scene, SurfacePoint};
@@ -23,8 +23,8 @@ const MAX_RATIO: f32 = 2.1;
 /// How many standard errors of fewer neighbours more may be off.
 const TOLERANCE: f64 = 2.0;
 
-/// Records that both have nothing else within their radii see each other up to this distance, in radii.
-const SURE_DISTANCE: f32 = 1.9;
+/// Records see each other up to this part of the sum of their free radii: their eyes are above them.
+const SURE: f32 = 0.95;
 
 /// What was gathered at a record.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +36,9 @@ pub(super) struct GatheredValue {
     /// How many paths gathered it.
     pub(super) paths: u32,
 }
+
+/// The function that fits the values around a record, and that of half the differences between the halves of their paths.
+pub(super) type RecordFit = [LinearIrradiance; 2];
 
 /// The values of some records.
 pub(super) struct Fits<'a> {
@@ -62,7 +65,7 @@ impl<'a> Fits<'a> {
 
     /// For each record the function on its tangent plane that fits the values of the records around it best, which it
     /// sees; and the same of half the differences between the halves of their paths.
-    pub(super) fn gradients(&self) -> Vec<[LinearIrradiance; 2]> {
+    pub(super) fn gradients(&self) -> Vec<RecordFit> {
         let numbers = (0..self.records.len()).into_par_iter();
         let fit = |query_state: &mut QueryState, index: usize| self.fit(index, query_state);
         numbers.map_init(QueryState::default, fit).collect()
@@ -81,13 +84,17 @@ impl<'a> Fits<'a> {
         let (record, other) = (&self.records[index], &self.records[neighbour]);
         let point = &self.values[index].point;
         let distance = point.position.distance(other.position);
-        let is_sure = !record.is_obstructed
-            && !other.is_doubtful(point.position, point.shading_normal)
-            && distance < SURE_DISTANCE * record.radius.min(other.radius);
-        is_sure || sees(self.scene, point, other.eye, query_state)
+        if distance < SURE * (record.free_radius + other.free_radius) {
+            let on_surface = IrradianceRecord {
+                free_radius: f32::INFINITY,
+                ..*other
+            };
+            return sees_record(self.scene, point, &on_surface, query_state);
+        }
+        sees_eye(self.scene, point, other.eye, query_state)
     }
 
-    fn fit(&self, index: usize, query_state: &mut QueryState) -> [LinearIrradiance; 2] {
+    fn fit(&self, index: usize, query_state: &mut QueryState) -> RecordFit {
         let record = &self.records[index];
         let largest = REACHES[REACHES.len() - 1];
         let neighbours = self.around(index, largest, query_state);
@@ -121,7 +128,7 @@ impl<'a> Fits<'a> {
     fn around(&self, index: usize, reach: f32, query_state: &mut QueryState) -> Vec<Neighbour> {
         let record = &self.records[index];
         let tangents = tangents(record.normal);
-        let normal_weight = 1.0 / (1.0 - libm::cosf(MAX_ANGLE));
+        let angle_weight = IrradianceRecord::angle_weight(MAX_ANGLE);
         let wide = IrradianceRecord {
             radius: reach * record.radius,
             ..*record
@@ -132,7 +139,7 @@ impl<'a> Fits<'a> {
             .visit(position, radius, MAX_RATIO, wide.radius, |neighbour| {
                 let other = &self.records[neighbour];
                 let distance_squared =
-                    wide.distance_squared(other.position, other.normal, normal_weight);
+                    wide.distance_squared(other.position, other.normal, angle_weight);
                 if distance_squared >= 1.0
                     || (neighbour != index && !self.sees(index, neighbour, query_state))
                 {

@@ -3,7 +3,7 @@
 use super::placement::PlacedRecord;
 use crate::accel::QueryState;
 use crate::integrator::{FinalGather, GatherPaths, GatherPoint};
-use crate::irradiance_cache::{CellKey, SecondaryIrradiance, SecondarySettings};
+use crate::irradiance_cache::{CellIrradiance, CellKey, CellSettings};
 use crate::math::{Ray, to_world};
 use crate::sampling::{SobolSequence, cosine_hemisphere};
 use crate::scene::Scene;
@@ -46,7 +46,7 @@ const STREAM: u32 = 1 << 8;
 /// What decides the values of records, beside the scene and their cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct GatherSettings {
-    pub(super) secondary: SecondarySettings,
+    pub(super) secondary: CellSettings,
     /// The paths of the primary records in the smallest cells.
     pub(super) paths: u32,
 }
@@ -88,14 +88,14 @@ impl GatherSettings {
         let side = RELATIVE_SECONDARY_SIDE * median_distance(scene, &pilots, seed);
         let level = CellKey::level_of_side(side) - refinement_level as i32 / 2;
         let mut settings = GatherSettings {
-            secondary: SecondarySettings {
+            secondary: CellSettings {
                 level: level as i8,
                 paths: SECONDARY_PATHS << refinement_level,
                 seed,
             },
             paths: PATHS,
         };
-        let secondary = SecondaryIrradiance::new(settings.secondary, bounces.saturating_sub(1));
+        let secondary = CellIrradiance::new(settings.secondary, bounces.saturating_sub(1));
         let pass = GatherPass {
             final_gather,
             secondary: &secondary,
@@ -149,7 +149,7 @@ fn sequence_of(cell: &CellKey, seed: u32, bounces_left: u32) -> SobolSequence {
 /// How the values of records are gathered.
 pub(super) struct GatherPass<'a> {
     pub(super) final_gather: &'a FinalGather<'a>,
-    pub(super) secondary: &'a SecondaryIrradiance,
+    pub(super) secondary: &'a CellIrradiance,
     /// How many bounces are left at the records, at least one.
     pub(super) bounces_left: u32,
     pub(super) seed: u32,

@@ -1,13 +1,13 @@
 //! Primary and secondary records that are gathered with the same settings, whichever paths need them.
 
 use super::counter::counter;
-use super::fit_gradients::{Fits, GatheredValue};
+use super::fit_gradients::{Fits, GatheredValue, RecordFit};
 use super::gather::{GatherPass, GatherSettings};
 use super::placement::{MAX_ANGLE, PlacedRecord};
 use crate::integrator::FinalGather;
 use crate::irradiance_cache::{
-    CellKey, IrradianceCache, IrradianceRecord, IrradianceRecords, PrimaryIrradiance,
-    SecondaryIrradiance,
+    CellIrradiance, CellKey, CellSettings, IrradianceCache, IrradianceRecord, IrradianceRecords,
+    PrimaryIrradiance,
 };
 use crate::scene::Scene;
 use glam::Vec3;
@@ -45,14 +45,14 @@ struct GatheredRecord {
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct GatheredLight {
     settings: GatherSettings,
-    secondary: Arc<SecondaryIrradiance>,
+    secondary: Arc<CellIrradiance>,
     primary: BTreeMap<RecordKey, GatheredRecord>,
 }
 
 impl GatheredLight {
     /// Nothing yet, for up to `bounces` bounces.
     pub(super) fn new(settings: GatherSettings, bounces: u32) -> GatheredLight {
-        let secondary = SecondaryIrradiance::new(settings.secondary, bounces.saturating_sub(1));
+        let secondary = CellIrradiance::new(settings.secondary, bounces.saturating_sub(1));
         GatheredLight {
             settings,
             secondary: Arc::new(secondary),
@@ -110,29 +110,48 @@ impl GatheredLight {
             .filter(|key| !self.primary.contains_key(key))
             .count();
         let of_new = new * (size_of::<RecordKey>() + size_of::<GatheredRecord>());
-        of_new + records.len() * size_of::<RecordKey>() + SECONDARY
+        let of_path = size_of::<RecordKey>() + size_of::<RecordFit>();
+        of_new + records.len() * of_path + SECONDARY
     }
 
-    /// What frames look up that need these records.
+    /// The functions that fit the values of the records of a path, and the halves of these, in the order of the records.
+    pub(super) fn fits(&self, scene: &Scene, bounces: u32, keys: &[RecordKey]) -> Vec<RecordFit> {
+        let fits = |bounces_left: u8| {
+            let (records, values) = self.values(bounces_left, keys.iter());
+            Fits::new(scene, &records, &values).gradients()
+        };
+        (1..=bounces as u8).flat_map(fits).collect()
+    }
+
+    /// What frames look up that need these records, which have these fits.
     pub(super) fn irradiance_cache(
         &self,
         scene: &Scene,
         bounces: u32,
         keys: &[RecordKey],
+        fits: &[RecordFit],
     ) -> IrradianceCache {
         let primary = |bounces_left: u8| {
-            let (records, values) = self.values(bounces_left, keys.iter());
-            let gradients = Fits::new(scene, &records, &values).gradients();
+            let first = keys.partition_point(|key| key.bounces_left < bounces_left);
+            let (records, _) = self.values(bounces_left, keys.iter());
+            let fits = &fits[first..first + records.len()];
             let (records, order) = IrradianceRecords::new(scene.bounds(), MAX_ANGLE, records);
             PrimaryIrradiance {
-                values: order.iter().map(|&index| gradients[index][0]).collect(),
-                half_difference: order.iter().map(|&index| gradients[index][1]).collect(),
+                values: order.iter().map(|&index| fits[index][0]).collect(),
+                half_difference: order.iter().map(|&index| fits[index][1]).collect(),
                 records: Arc::new(records),
             }
         };
         IrradianceCache {
             primary: (1..=bounces as u8).map(primary).collect(),
             secondary: self.secondary.clone(),
+            uncovered: Arc::new(CellIrradiance::new(
+                CellSettings {
+                    paths: 2 * self.settings.paths,
+                    ..self.settings.secondary
+                },
+                bounces,
+            )),
         }
     }
 

@@ -76,7 +76,7 @@ mod tests {
                 normal: Vec3::Y,
                 radius: 0.01 * libm::exp2f(random.below(5) as f32),
                 eye: Vec3::ZERO,
-                is_obstructed: false,
+                free_radius: f32::INFINITY,
             })
             .collect();
         let neighbours = Neighbours::new(&records);

@@ -4,7 +4,7 @@
 use super::candidates::{Candidate, PathProbe};
 use super::finest_view::FinestView;
 use crate::accel::QueryState;
-use crate::integrator::{eye_above, is_obstructed, place_in_cell, sees};
+use crate::integrator::{record_in_cell, sees_record};
 use crate::irradiance_cache::{CellKey, IrradianceRecord, IrradianceRecords};
 use crate::math::to_world;
 use crate::scene::{Scene, SurfacePoint};
@@ -37,13 +37,10 @@ const BELOW: i32 = 4;
 const BELOW_AT_STEPS: i32 = 2;
 
 /// The validity radius of a record, in sides of its cell.
-const RADIUS: f32 = 1.5;
+const RADIUS: f32 = 1.25;
 
 /// Of records: the largest angle between normals, in radians.
-pub(super) const MAX_ANGLE: f32 = 20_f32.to_radians();
-
-/// The height of a record's eye, in radii.
-const EYE_HEIGHT: f32 = 0.15;
+pub(super) const MAX_ANGLE: f32 = 35_f32.to_radians();
 
 /// Frames whose candidates are found together.
 const BATCH: usize = 8;
@@ -53,27 +50,6 @@ const BATCH: usize = 8;
 pub(super) struct PlacedRecord {
     pub(super) point: SurfacePoint,
     pub(super) record: IrradianceRecord,
-}
-
-/// The record of a cell; none if it has no surface. It depends on the scene, the cell and the seed alone.
-fn place(
-    scene: &Scene,
-    cell: &CellKey,
-    seed: u32,
-    query_state: &mut QueryState,
-) -> Option<PlacedRecord> {
-    let point = place_in_cell(scene, cell, seed, query_state)?;
-    let radius = RADIUS * cell.side();
-    Some(PlacedRecord {
-        point,
-        record: IrradianceRecord {
-            position: point.position,
-            normal: point.shading_normal,
-            radius,
-            eye: eye_above(scene, &point, EYE_HEIGHT * radius, query_state),
-            is_obstructed: is_obstructed(scene, &point, radius),
-        },
-    })
 }
 
 /// The record of a cell that a path needs.
@@ -226,9 +202,13 @@ impl<'a> Placement<'a> {
         grid.filter_map(cell).collect()
     }
 
-    /// The record of a cell.
+    /// The record of a cell; none if it has no surface. It depends on the scene, the cell and the seed alone.
     fn record(&self, cell: &CellKey) -> Option<PlacedRecord> {
-        let place = || place(self.scene, cell, self.seed, &mut QueryState::default());
+        let place = || {
+            let (radius, query_state) = (RADIUS * cell.side(), &mut QueryState::default());
+            let (point, record) = record_in_cell(self.scene, cell, radius, self.seed, query_state)?;
+            Some(PlacedRecord { point, record })
+        };
         *self.records.entry(*cell).or_insert_with(place)
     }
 
@@ -260,12 +240,8 @@ impl<'a> Placement<'a> {
     }
 
     fn covers(&self, record: &IrradianceRecord, point: &SurfacePoint) -> bool {
-        let normal_weight = 1.0 / (1.0 - libm::cosf(MAX_ANGLE));
-        let (position, normal) = (point.position, point.shading_normal);
-        if record.weight(position, normal, normal_weight) <= 0.0 {
-            return false;
-        }
-        !record.is_doubtful(position, normal)
-            || sees(self.scene, point, record.eye, &mut QueryState::default())
+        let angle_weight = IrradianceRecord::angle_weight(MAX_ANGLE);
+        record.weight(point.position, point.shading_normal, angle_weight) > 0.0
+            && sees_record(self.scene, point, record, &mut QueryState::default())
     }
 }

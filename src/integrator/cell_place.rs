@@ -1,7 +1,7 @@
-//! Where the record of a cell stands.
+//! Where the record of a cell stands, and what sees it.
 
 use crate::accel::QueryState;
-use crate::irradiance_cache::CellKey;
+use crate::irradiance_cache::{CellKey, IrradianceRecord};
 use crate::material::FeatureMask;
 use crate::math::{NO_PRIMITIVE, Ray};
 use crate::sampling::SobolSequence;
@@ -12,9 +12,65 @@ use glam::{Vec3, Vec3Swizzles};
 /// may be curved. Where lower ones stand records are so much smaller that larger ones do not count.
 const OBSTRUCTION_SINE: f64 = 0.15;
 
+/// The height of a record's eye, in radii.
+const EYE_HEIGHT: f32 = 0.15;
+
+/// The record of a cell, valid up to a radius in metres, and the surface point where it stands; none if rays find none.
+pub fn record_in_cell(
+    scene: &Scene,
+    cell: &CellKey,
+    radius: f32,
+    seed: u32,
+    query_state: &mut QueryState,
+) -> Option<(SurfacePoint, IrradianceRecord)> {
+    let point = place_in_cell(scene, cell, seed, query_state)?;
+    let clearance = scene.clearance(&point, OBSTRUCTION_SINE, radius.into());
+    let record = IrradianceRecord {
+        position: point.position,
+        normal: point.shading_normal,
+        radius,
+        eye: eye_above(scene, &point, EYE_HEIGHT * radius, query_state),
+        free_radius: clearance.map_or(radius, |distance| distance as f32),
+    };
+    Some((point, record))
+}
+
+/// Whether a surface point within the radius of a record is on its surface and sees it.
+pub fn sees_record(
+    scene: &Scene,
+    point: &SurfacePoint,
+    record: &IrradianceRecord,
+    query_state: &mut QueryState,
+) -> bool {
+    !record.is_doubtful(point.position, point.shading_normal)
+        || sees_eye(scene, point, record.eye, query_state)
+}
+
+/// Whether a surface point sees the eye of a record.
+pub fn sees_eye(
+    scene: &Scene,
+    point: &SurfacePoint,
+    eye: Vec3,
+    query_state: &mut QueryState,
+) -> bool {
+    sight_ray(point, eye).is_some_and(|ray| !scene.occluded(&ray, query_state))
+}
+
+/// The ray from a surface point to the eye of a record; none if that is below its horizon.
+pub(super) fn sight_ray(point: &SurfacePoint, eye: Vec3) -> Option<Ray> {
+    let origin = point.spawn_origin();
+    let direction = eye - origin;
+    (direction.dot(point.geometric_normal) > 0.0).then_some(Ray {
+        origin,
+        direction,
+        t_max: 1.0,
+        exclude: point.exclude,
+    })
+}
+
 /// A surface point of a cell that faces its way, found by rays along its axis; none if they find none, as where a surface
 /// only grazes the cell. It depends on scene, cell and seed alone.
-pub fn place_in_cell(
+pub(super) fn place_in_cell(
     scene: &Scene,
     cell: &CellKey,
     seed: u32,
@@ -59,7 +115,7 @@ pub fn place_in_cell(
 }
 
 /// A point above a surface point, at up to `height` metres, with nothing in between.
-pub fn eye_above(
+fn eye_above(
     scene: &Scene,
     point: &SurfacePoint,
     height: f32,
@@ -73,28 +129,4 @@ pub fn eye_above(
         .closest(&ray, query_state)
         .map_or(2.0 * height, |hit| hit.t as f32);
     point.position + 0.5 * free * point.geometric_normal
-}
-
-/// Whether other surfaces near a surface point may stand between it and points up to `radius` metres away.
-pub fn is_obstructed(scene: &Scene, point: &SurfacePoint, radius: f32) -> bool {
-    scene
-        .clearance(point, OBSTRUCTION_SINE, radius.into())
-        .is_some()
-}
-
-/// Whether a surface point sees a position above it.
-pub fn sees(
-    scene: &Scene,
-    point: &SurfacePoint,
-    position: Vec3,
-    query_state: &mut QueryState,
-) -> bool {
-    let origin = point.spawn_origin();
-    let ray = Ray {
-        origin,
-        direction: position - origin,
-        t_max: 1.0,
-        exclude: point.exclude,
-    };
-    ray.direction.dot(point.geometric_normal) > 0.0 && !scene.occluded(&ray, query_state)
 }

@@ -1,9 +1,10 @@
 //! Final gathering: the indirect light at a point by paths over its hemisphere (Reichert 1992; Jensen 2001).
 
+use super::cached_light::CachedLight;
 use super::hit_surfaces::HitSurfaces;
 use super::light_sampler::LightSampler;
 use super::path_state::{Emission, PathState, Technique};
-use super::path_tracer::{CachedLight, PathTracer, Schedule};
+use super::path_tracer::{PathTracer, Schedule};
 use crate::accel::QueryState;
 use crate::material::{Bsdf, Features};
 use crate::math::Ray;

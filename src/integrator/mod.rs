@@ -27,7 +27,9 @@
 //! Knows nothing of pixels, frames or time.
 
 mod cached;
+mod cached_light;
 mod camera_sample;
+mod cell_light;
 mod cell_place;
 mod direct;
 mod feature_sets;
@@ -47,7 +49,7 @@ mod visible_points;
 mod whitted;
 
 pub use camera_sample::CameraSample;
-pub use cell_place::{eye_above, is_obstructed, place_in_cell, sees};
+pub use cell_place::{record_in_cell, sees_eye, sees_record};
 pub use final_gather::{FinalGather, GatherPaths, GatherPoint};
 pub use light_sampler::LightSampler;
 pub use lighting::Lighting;

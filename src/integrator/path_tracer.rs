@@ -1,6 +1,7 @@
 //! Path tracing with splitting (Kajiya 1986, "The Rendering Equation"), wavefront by wavefront, with light-guided
 //! directions by multiple importance sampling (Veach 1997).
 
+use super::cached_light::CachedLight;
 use super::camera_sample::CameraSample;
 use super::direct::{LightContribution, direct_lighting_incoherent};
 use super::hit_surfaces::{HitSurfaces, ambient, spawn_reflected_ray, surfaces};
@@ -12,7 +13,7 @@ use crate::accel::QueryState;
 use crate::material::Features;
 use crate::math::{Ray, RayDifferential, to_world};
 use crate::sampling::{MixtureChoice, cosine_hemisphere};
-use crate::scene::{Scene, SurfaceInteraction, SurfacePoint};
+use crate::scene::{Scene, SurfaceInteraction};
 use glam::Vec3;
 use std::f32::consts::PI;
 use std::marker::PhantomData;
@@ -25,21 +26,6 @@ const LIGHT_DIMENSION_OFFSET: u32 = 1 << 16;
 
 /// The pair of random numbers that choose cached light, by depth.
 const CACHE_DIMENSION_OFFSET: u32 = 1 << 17;
-
-/// Light that ends paths beyond their first diffuse bounce.
-pub(super) trait CachedLight {
-    /// The cosine-weighted mean radiance that arrives at a surface point which a ray of length `distance` has hit, where
-    /// `bounces_left` bounces, at least one, are left; none if it is not known there. Random numbers may choose between
-    /// records.
-    fn mean_radiance(
-        &self,
-        point: &SurfacePoint,
-        bounces_left: u32,
-        distance: f32,
-        numbers: [f32; 2],
-        query_state: &mut QueryState,
-    ) -> Option<Vec3>;
-}
 
 /// A path that continues from another.
 struct SplitPath {

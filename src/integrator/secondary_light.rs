@@ -1,14 +1,12 @@
 //! Cached light where paths end beyond their first diffuse bounce.
 
-use super::cell_place::{eye_above, is_obstructed, place_in_cell, sees};
+use super::cached_light::CachedLight;
+use super::cell_light::CellLight;
 use super::feature_sets::for_each_feature_set;
 use super::final_gather::{FinalGather, GatherPaths, GatherPoint, gather_for};
-use super::path_tracer::CachedLight;
 use crate::accel::QueryState;
-use crate::irradiance_cache::{CellKey, SecondaryIrradiance, SecondaryPlace};
+use crate::irradiance_cache::{CellIrradiance, CellKey};
 use crate::material::{FeatureSet, Features};
-use crate::math::to_world;
-use crate::sampling::SobolSequence;
 use crate::scene::SurfacePoint;
 use glam::Vec3;
 use std::marker::PhantomData;
@@ -21,7 +19,7 @@ impl FinalGather<'_> {
         &self,
         points: &[GatherPoint],
         paths: GatherPaths,
-        secondary: &SecondaryIrradiance,
+        secondary: &CellIrradiance,
         query_state: &mut QueryState,
     ) -> Vec<Vec3> {
         let for_features = GATHER[self.scene().features().index()];
@@ -29,137 +27,51 @@ impl FinalGather<'_> {
     }
 }
 
-type GatherFor = fn(
-    &FinalGather,
-    &[GatherPoint],
-    GatherPaths,
-    &SecondaryIrradiance,
-    &mut QueryState,
-) -> Vec<Vec3>;
+type GatherFor =
+    fn(&FinalGather, &[GatherPoint], GatherPaths, &CellIrradiance, &mut QueryState) -> Vec<Vec3>;
 
 /// [`FinalGather::gather`] for each set of features.
 static GATHER: [GatherFor; FeatureSet::COUNT] = for_each_feature_set!(gather_cached);
 
 /// [`FinalGather::gather`] for the features of the scene.
-pub(super) fn gather_cached<F: Features>(
+fn gather_cached<F: Features>(
     final_gather: &FinalGather,
     points: &[GatherPoint],
     paths: GatherPaths,
-    secondary: &SecondaryIrradiance,
+    secondary: &CellIrradiance,
     query_state: &mut QueryState,
 ) -> Vec<Vec3> {
-    let cache = SecondaryLight::<F> {
-        final_gather,
-        irradiance: secondary,
-        features: PhantomData,
-    };
+    let cache = SecondaryLight::<F>::new(final_gather, secondary);
     gather_for::<F>(final_gather, points, paths, Some(&cache), query_state)
 }
 
 /// The secondary records of a scene, gathered as paths ask for them.
-struct SecondaryLight<'a, F> {
-    final_gather: &'a FinalGather<'a>,
-    irradiance: &'a SecondaryIrradiance,
+pub(super) struct SecondaryLight<'a, F> {
+    light: CellLight<'a>,
     features: PhantomData<F>,
 }
 
 /// Rays shorter than this, in sides of cells, end too close to their origin for records of this size.
 const MIN_DISTANCE: f32 = 2.5;
 
-/// Sizes of cells, and how many levels smaller each is than the last: where surfaces are close together.
-const SIZES: u32 = 2;
-const SMALLER: i32 = 1;
+/// Sizes of cells, each half the last: where surfaces are close together.
+const SIZES: i32 = 2;
 
-/// Points this far from a record, in sides of its cell, and above or below it, may ask for it.
-const MAX_DISTANCE: f32 = 2.0;
-const MAX_HEIGHT: f32 = 0.4;
-
-/// The cosine of the largest angle between their normals.
-const MIN_COSINE: f32 = 0.7;
-
-/// The height of the eye, in sides.
-const EYE_HEIGHT: f32 = 0.2;
-
-impl<F: Features> SecondaryLight<'_, F> {
-    fn place(&self, cell: &CellKey, query_state: &mut QueryState) -> Option<SecondaryPlace> {
-        let scene = self.final_gather.scene();
-        let point = place_in_cell(scene, cell, self.irradiance.settings().seed, query_state)?;
-        Some(SecondaryPlace {
-            position: point.position,
-            normal: point.shading_normal,
-            eye: eye_above(scene, &point, EYE_HEIGHT * cell.side(), query_state),
-            is_obstructed: is_obstructed(scene, &point, MAX_DISTANCE * cell.side()),
-        })
-    }
-
-    /// Whether a point may ask for a record.
-    fn is_valid(
-        &self,
-        point: &SurfacePoint,
-        place: &SecondaryPlace,
-        side: f32,
-        query_state: &mut QueryState,
-    ) -> bool {
-        /// As of primary records.
-        const SURE_HEIGHT: f32 = 0.02;
-        let offset = point.position - place.position;
-        let (distance, height) = (offset.length(), offset.dot(place.normal).abs());
-        let cosine = point.shading_normal.dot(place.normal);
-        // Irradiance changes too fast for records of this size.
-        if place.is_obstructed {
-            return false;
-        }
-        if distance > MAX_DISTANCE * side || height > MAX_HEIGHT * side || cosine < MIN_COSINE {
-            return false;
-        }
-        let turned = distance * (1.0 - cosine * cosine).max(0.0).sqrt();
-        let is_sure = height < SURE_HEIGHT * side + turned;
-        is_sure || sees(self.final_gather.scene(), point, place.eye, query_state)
-    }
-
-    /// The value of the record of a cell, gathered if nobody has asked for it before.
-    fn value(
-        &self,
-        point: &SurfacePoint,
-        cell: CellKey,
-        bounces_left: u32,
-        query_state: &mut QueryState,
-    ) -> Option<Vec3> {
-        let record = self
-            .irradiance
-            .record(cell, || self.place(&cell, query_state))?;
-        if !self.is_valid(point, &record.place, cell.side(), query_state) {
-            return None;
-        }
-        let value = record.values.get(bounces_left as usize - 1)?;
-        Some(*value.get_or_init(|| self.gather(&cell, bounces_left)))
-    }
-
-    fn gather(&self, cell: &CellKey, bounces_left: u32) -> Vec3 {
-        let settings = self.irradiance.settings();
-        let mut query_state = QueryState::default();
-        let scene = self.final_gather.scene();
-        let Some(point) = place_in_cell(scene, cell, settings.seed, &mut query_state) else {
-            return Vec3::ZERO;
-        };
-        let [level_and_facing, x, y, z] = cell.words();
-        let sequence = SobolSequence::new(settings.seed ^ level_and_facing, x, y, z);
-        let gathered = gather_for::<F>(
-            self.final_gather,
-            &[GatherPoint {
-                point,
-                sequence: sequence.stream(bounces_left),
-                index: 0,
-            }],
-            GatherPaths {
-                bounces_left,
-                count: settings.paths,
+impl<'a, F: Features> SecondaryLight<'a, F> {
+    /// Those of some cells.
+    pub(super) fn new(
+        final_gather: &'a FinalGather<'a>,
+        cells: &'a CellIrradiance,
+    ) -> SecondaryLight<'a, F> {
+        SecondaryLight {
+            light: CellLight {
+                final_gather,
+                cells,
+                only_free: true,
                 include_sky: true,
             },
-            Some(self),
-            &mut query_state,
-        );
-        gathered[0]
+            features: PhantomData,
+        }
     }
 }
 
@@ -173,23 +85,18 @@ impl<F: Features> CachedLight for SecondaryLight<'_, F> {
         query_state: &mut QueryState,
     ) -> Option<Vec3> {
         let normal = point.shading_normal;
-        let mut level = i32::from(self.irradiance.settings().level);
-        for _ in 0..SIZES {
-            let at = |position: Vec3| CellKey::containing(position, normal, level);
-            let own = at(point.position);
-            if distance < MIN_DISTANCE * own.side() {
+        let largest = i32::from(self.light.cells.settings().level);
+        for level in (largest + 1 - SIZES..=largest).rev() {
+            let cell_at = |position: Vec3| CellKey::containing(position, normal, level);
+            if distance < MIN_DISTANCE * cell_at(point.position).side() {
                 return None;
             }
-            // A cell close by, by chance: in the mean, edges of cells vanish.
-            let [u, v] = numbers.map(|u| (u - 0.5) * own.side());
-            let beside = at(point.position + to_world(normal, Vec3::new(u, v, 0.0)));
-            for cell in [beside, own] {
-                let value = self.value(point, cell, bounces_left, query_state);
-                if value.is_some() {
-                    return value;
-                }
+            let light = &self.light;
+            let value =
+                light.value_around::<F>(point, cell_at, bounces_left, numbers, self, query_state);
+            if value.is_some() {
+                return value;
             }
-            level -= SMALLER;
         }
         None
     }

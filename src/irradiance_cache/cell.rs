@@ -83,11 +83,7 @@ impl CellKey {
             None => self.facing,
         };
         let mut axis = Vec3::ZERO;
-        axis[usize::from(facing / 2)] = if facing.is_multiple_of(2) {
-            1.0
-        } else {
-            -1.0
-        };
+        axis[usize::from(facing / 2)] = if facing.is_multiple_of(2) { 1.0 } else { -1.0 };
         axis
     }
 

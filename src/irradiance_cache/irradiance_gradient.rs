@@ -2,9 +2,10 @@
 //! cache. Here the gradient is fitted to neighbouring records: see `bake`.
 
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 
 /// Mean incident radiance around a record as a linear function of position.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct LinearIrradiance {
     /// At the record: E / π in W/(sr m²), RGB.
     pub mean_radiance: Vec3,

@@ -4,18 +4,19 @@ use super::irradiance_gradient::LinearIrradiance;
 use super::record::{HEIGHT_WEIGHT, IrradianceRecord, MAX_RADIUS_RATIO, SURE_HEIGHT};
 use super::records::IrradianceRecords;
 use crate::math::Aabb;
-use crate::simd::{PACKET_WIDTH, Simd, WithSimd};
+use crate::simd::{Floats, PACKET_WIDTH, SetBits, Simd, WithSimd};
 use glam::Vec3;
 
 /// Points that are looked up together.
 pub(super) const LANES: usize = PACKET_WIDTH;
 
-type Lanes = [f32; LANES];
+/// So many candidates ahead are asked for from memory.
+const AHEAD: usize = 4;
 
 /// What is known of a candidate record: masks of points.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Sight {
-    /// Whether the points see the record was asked.
+    /// Whether they see the record was asked.
     pub(super) asked: u32,
     /// They do not see it.
     pub(super) blocked: u32,
@@ -47,9 +48,14 @@ impl WithSimd for Interpolate<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self) -> Interpolated {
-        let mut sums = WeightedSums::new(self.points, self.records.normal_weight());
+        let angle_weight = self.records.angle_weight();
+        let mut sums = WeightedSums::<S::F32x16>::new(self.points, angle_weight);
         let mut doubts = Vec::new();
         for (place, &index) in self.candidates.iter().enumerate() {
+            if let Some(&ahead) = self.candidates.get(place + AHEAD) {
+                S::prefetch(&self.records[ahead as usize]);
+                S::prefetch(&self.values[ahead as usize]);
+            }
             let index = index as usize;
             let sight = self.sight.get(place).copied().unwrap_or_default();
             let doubtful = sums.add(&self.records[index], &self.values[index], sight);
@@ -64,24 +70,23 @@ impl WithSimd for Interpolate<'_> {
     }
 }
 
-/// Points, as structure of arrays, and the weighted sums of values there. Plain loops over independent lanes,
-/// which compile to vector code.
-struct WeightedSums {
-    position: [Lanes; 3],
-    normal: [Lanes; 3],
-    normal_weight: f32,
+/// Points, as structure of arrays, and the weighted sums of values there.
+struct WeightedSums<F> {
+    position: [F; 3],
+    normal: [F; 3],
+    angle_weight: F,
     /// Bounding sphere of the points.
     center: Vec3,
     bounding_radius: f32,
     /// The largest radius of records that count.
-    max_radius: Lanes,
-    sums: [Lanes; 3],
-    weights: Lanes,
+    max_radius: F,
+    sums: [F; 3],
+    weights: F,
 }
 
-impl WeightedSums {
+impl<F: Floats<LANES>> WeightedSums<F> {
     #[inline(always)]
-    fn new(points: &[(Vec3, Vec3); LANES], normal_weight: f32) -> WeightedSums {
+    fn new(points: &[(Vec3, Vec3); LANES], angle_weight: f32) -> WeightedSums<F> {
         let (mut position, mut normal) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
         for (lane, (p, n)) in points.iter().enumerate() {
             for axis in 0..3 {
@@ -90,20 +95,21 @@ impl WeightedSums {
             }
         }
         let bounds = Aabb::of(points.iter().map(|(position, _)| *position));
+        let zero = F::splat(0.0);
         WeightedSums {
-            position,
-            normal,
-            normal_weight,
+            position: position.map(|lanes| F::load(&lanes)),
+            normal: normal.map(|lanes| F::load(&lanes)),
+            angle_weight: F::splat(angle_weight),
             center: bounds.center(),
             bounding_radius: 0.5 * bounds.extent().length(),
-            max_radius: [f32::INFINITY; LANES],
-            sums: [[0.0; LANES]; 3],
-            weights: [0.0; LANES],
+            max_radius: F::splat(f32::INFINITY),
+            sums: [zero; 3],
+            weights: zero,
         }
     }
 
     /// Whether a record may cover any of the points.
-    #[inline]
+    #[inline(always)]
     fn may_cover(&self, record: &IrradianceRecord) -> bool {
         const ROUNDING: f32 = 1.001;
         let distance = ROUNDING * (record.radius + self.bounding_radius);
@@ -117,107 +123,80 @@ impl WeightedSums {
         if !self.may_cover(record) {
             return 0;
         }
-        let [px, py, pz] = &self.position;
-        let [nx, ny, nz] = &self.normal;
-        let (p, n) = (record.position, record.normal);
-        let scale = 1.0 / (record.radius * record.radius);
-        let sure = SURE_HEIGHT * record.radius;
-        let sure = if record.is_obstructed {
-            -1.0
-        } else {
-            sure * sure
-        };
-        let (mut weights, mut excess) = ([0.0; LANES], [0.0; LANES]);
-        for lane in 0..LANES {
-            let (x, y, z) = (px[lane] - p.x, py[lane] - p.y, pz[lane] - p.z);
-            let height = x * n.x + y * n.y + z * n.z;
-            let length_squared = x * x + y * y + z * z;
-            let squared = length_squared + HEIGHT_WEIGHT * height * height;
-            let cos = nx[lane] * n.x + ny[lane] * n.y + nz[lane] * n.z;
-            let rest = (1.0 - (squared * scale + (1.0 - cos) * self.normal_weight)).max(0.0);
-            let weight = rest * rest * scale * scale;
-            let counts = record.radius <= self.max_radius[lane];
-            weights[lane] = if counts { weight } else { 0.0 };
-            let turned = (1.0 - cos * cos).max(0.0) * length_squared;
-            let turned = if record.is_obstructed { 0.0 } else { turned };
-            excess[lane] = height * height - (sure + turned);
+        let (zero, one) = (F::splat(0.0), F::splat(1.0));
+        let scale = F::splat(1.0 / (record.radius * record.radius));
+        let normal = record.normal.to_array().map(F::splat);
+        let mut offset = self.position;
+        for (offset, position) in offset.iter_mut().zip(record.position.to_array()) {
+            *offset = offset.sub(F::splat(position));
         }
+        let height = dot(&offset, &normal);
+        let length_squared = dot(&offset, &offset);
+        let cos = dot(&self.normal, &normal);
+        let height_squared = height.mul(height);
+        let squared = length_squared.add(F::splat(HEIGHT_WEIGHT).mul(height_squared));
+        let turned = one.sub(cos).mul(self.angle_weight);
+        let rest = one.sub(squared.mul(scale).add(turned)).max(zero);
+        let weight = rest.mul(rest).mul(scale.mul(scale));
+        let mut weight = F::splat(record.radius).select_le(self.max_radius, weight, zero);
         if sight.blocked != 0 {
-            for (lane, weight) in weights.iter_mut().enumerate() {
-                *weight = if sight.blocked >> lane & 1 == 1 {
-                    0.0
-                } else {
-                    *weight
-                };
-            }
+            let mut lanes = weight.store();
+            SetBits(sight.blocked).for_each(|lane| lanes[lane] = 0.0);
+            weight = F::load(&lanes);
         }
-        if all_zero(&weights) {
+        let covered = zero.lt(weight);
+        if covered == 0 {
             return 0;
         }
-        let mut doubtful = 0;
-        for lane in 0..LANES {
-            doubtful |= u32::from(weights[lane] > 0.0 && excess[lane] > 0.0) << lane;
-        }
-        let limit = MAX_RADIUS_RATIO * record.radius;
-        for (max_radius, weight) in self.max_radius.iter_mut().zip(weights) {
-            *max_radius = if weight > 0.0 {
-                max_radius.min(limit)
-            } else {
-                *max_radius
-            };
-        }
-        for (sum, weight) in self.weights.iter_mut().zip(weights) {
-            *sum += weight;
-        }
-        for (channel, sums) in self.sums.iter_mut().enumerate() {
-            let (center, gradient) = (value.mean_radiance[channel], value.gradient[channel]);
-            for (lane, sum) in sums.iter_mut().enumerate() {
-                let (x, y, z) = (px[lane] - p.x, py[lane] - p.y, pz[lane] - p.z);
-                let value = center + (gradient.x * x + gradient.y * y + gradient.z * z);
-                *sum += weights[lane] * value;
-            }
+        let sure = SURE_HEIGHT * record.radius;
+        let turned = one.sub(cos.mul(cos)).max(zero).mul(length_squared);
+        let above = height_squared.sub(F::splat(sure * sure).add(turned));
+        let beyond = length_squared.sub(F::splat(record.free_radius * record.free_radius));
+        let doubtful = covered & zero.lt(above.max(beyond));
+        let limit = F::splat(MAX_RADIUS_RATIO * record.radius);
+        self.max_radius = weight.select_le(zero, self.max_radius, self.max_radius.min(limit));
+        self.weights = self.weights.add(weight);
+        for (channel, sum) in self.sums.iter_mut().enumerate() {
+            let gradient = value.gradient[channel].to_array().map(F::splat);
+            let value = F::splat(value.mean_radiance[channel]).add(dot(&offset, &gradient));
+            *sum = sum.add(weight.mul(value));
         }
         doubtful & !sight.asked
     }
 
     #[inline(always)]
     fn means(&self) -> [Option<Vec3>; LANES] {
-        let mut means = self.sums;
-        for channel in &mut means {
-            for (mean, weight) in channel.iter_mut().zip(&self.weights) {
-                *mean = (*mean / weight).max(0.0);
-            }
-        }
-        let [red, green, blue] = means;
+        let zero = F::splat(0.0);
+        let mean = |sum: F| sum.div(self.weights).max(zero).store();
+        let [red, green, blue] = self.sums.map(mean);
         let mut values = [None; LANES];
-        for (lane, value) in values.iter_mut().enumerate() {
-            if self.weights[lane] > 0.0 {
-                *value = Some(Vec3::new(red[lane], green[lane], blue[lane]));
-            }
+        for lane in SetBits(zero.lt(self.weights)) {
+            values[lane] = Some(Vec3::new(red[lane], green[lane], blue[lane]));
         }
         values
     }
 }
 
-/// Whether all weights are +0; none is negative.
-fn all_zero(weights: &Lanes) -> bool {
-    weights.iter().fold(0, |bits, w| bits | w.to_bits()) == 0
+#[inline(always)]
+fn dot<F: Floats<LANES>>(a: &[F; 3], b: &[F; 3]) -> F {
+    let [x, y, z] = [0, 1, 2].map(|axis| a[axis].mul(b[axis]));
+    x.add(y).add(z)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::sampling::Random;
-    use crate::simd::Kernel;
+    use crate::simd::{Kernel, PortableFloats};
 
-    fn record(random: &mut Random, size: f32, is_obstructed: bool) -> IrradianceRecord {
+    fn record(random: &mut Random, size: f32, free_radius: f32) -> IrradianceRecord {
         let position = random.vector(size);
         IrradianceRecord {
             position,
             normal: random.vector(1.0).normalize(),
             radius: 0.2 + random.unit(),
             eye: position,
-            is_obstructed,
+            free_radius,
         }
     }
 
@@ -226,11 +205,11 @@ mod tests {
     fn lanes_agree_with_records_one_by_one() {
         let mut random = Random::new(2);
         let points = [(); LANES].map(|()| (random.vector(1.0), random.vector(1.0).normalize()));
-        let normal_weight = 0.7;
-        let mut lanes = WeightedSums::new(&points, normal_weight);
+        let angle_weight = 0.7;
+        let mut lanes = WeightedSums::<PortableFloats<LANES>>::new(&points, angle_weight);
         let mut sums = [(Vec3::ZERO, 0.0, f32::INFINITY); LANES];
         let mut records: Vec<IrradianceRecord> = (0..400)
-            .map(|index| record(&mut random, 1.0, index % 5 == 0))
+            .map(|index| record(&mut random, 1.0, 0.1 * (index % 20) as f32))
             .collect();
         records.sort_by(|a, b| a.radius.total_cmp(&b.radius));
         for (index, record) in records.iter().enumerate() {
@@ -246,7 +225,7 @@ mod tests {
             for (lane, ((position, normal), (sum, weights, limit))) in
                 points.iter().zip(&mut sums).enumerate()
             {
-                let weight = record.weight(*position, *normal, normal_weight);
+                let weight = record.weight(*position, *normal, angle_weight);
                 let is_blocked = sight.blocked >> lane & 1 == 1;
                 if weight == 0.0 || is_blocked || record.radius > *limit {
                     assert_eq!(doubtful >> lane & 1, 0);
@@ -280,7 +259,7 @@ mod tests {
             min: Vec3::splat(-1.0),
             max: Vec3::ONE,
         };
-        let list = (0..500).map(|index| record(&mut random, 1.0, index % 3 == 0));
+        let list = (0..500).map(|index| record(&mut random, 1.0, 0.3 * (index % 9) as f32));
         let (records, _) = IrradianceRecords::new(bounds, 0.6, list.collect());
         let mut value = || LinearIrradiance {
             mean_radiance: random.vector(1.0),

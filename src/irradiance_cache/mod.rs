@@ -16,20 +16,20 @@
 //! Knows nothing of how the values are computed: see `bake`.
 
 mod cell;
+mod cell_irradiance;
 mod irradiance_gradient;
 mod lookup;
 mod octree;
 mod primary;
 mod record;
 mod records;
-mod secondary;
 
 pub use cell::CellKey;
+pub use cell_irradiance::{CellIrradiance, CellRecord, CellSettings};
 pub use irradiance_gradient::LinearIrradiance;
 pub use primary::PrimaryIrradiance;
 pub use record::IrradianceRecord;
 pub use records::IrradianceRecords;
-pub use secondary::{SecondaryIrradiance, SecondaryPlace, SecondaryRecord, SecondarySettings};
 
 use std::sync::Arc;
 
@@ -40,7 +40,9 @@ pub struct IrradianceCache {
     /// One entry per bounce.
     pub primary: Vec<PrimaryIrradiance>,
     /// At surfaces that gathered rays hit.
-    pub secondary: Arc<SecondaryIrradiance>,
+    pub secondary: Arc<CellIrradiance>,
+    /// At surfaces that the camera sees where no primary record is valid.
+    pub uncovered: Arc<CellIrradiance>,
 }
 
 impl IrradianceCache {
@@ -56,6 +58,7 @@ impl IrradianceCache {
         [a, b].map(|primary| IrradianceCache {
             primary,
             secondary: self.secondary.clone(),
+            uncovered: self.uncovered.clone(),
         })
     }
 
@@ -68,6 +71,6 @@ impl IrradianceCache {
     /// Memory in bytes.
     pub fn memory(&self) -> usize {
         let primary = self.primary.iter().map(PrimaryIrradiance::memory);
-        primary.sum::<usize>() + self.secondary.memory()
+        primary.sum::<usize>() + self.secondary.memory() + self.uncovered.memory()
     }
 }

@@ -4,7 +4,7 @@ use super::irradiance_gradient::LinearIrradiance;
 use super::lookup::{Interpolate, LANES, Sight};
 use super::octree::{Leaf, Octree};
 use super::records::IrradianceRecords;
-use crate::simd::Kernel;
+use crate::simd::{Kernel, SetBits};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -25,13 +25,13 @@ impl PrimaryIrradiance {
     ///
     /// Weighted mean of the values of all records that cover a point (Shepard 1968, "A Two-Dimensional
     /// Interpolation Function for Irregularly-Spaced Data"; of linear functions as in Renka 1988, "Multivariate
-    /// Interpolation of Large Sets of Scattered Data"), and that it sees: `blocked` gives the mask of up to sixteen points,
-    /// by their numbers, that do not see a position above a record. It is asked where that is in doubt.
+    /// Interpolation of Large Sets of Scattered Data"), and that it sees: of up to sixteen points, by their numbers, each
+    /// with the eye of a record, `blocked` gives the mask of those that do not see it. It is asked where that is in doubt.
     pub fn mean_radiance(
         &self,
         points: &[(Vec3, Vec3)],
         kernel: Kernel,
-        mut blocked: impl FnMut(&[u32], Vec3) -> u32,
+        mut blocked: impl FnMut(&[(u32, Vec3)]) -> u32,
     ) -> Vec<Option<Vec3>> {
         let mut values = vec![None; points.len()];
         let tree = self.records.tree();
@@ -42,24 +42,32 @@ impl PrimaryIrradiance {
             let used = u32::MAX >> (u32::BITS - group.count as u32);
             let mut sight = Vec::new();
             let found = loop {
-                let mut interpolated = kernel.run(Interpolate {
+                let interpolated = kernel.run(Interpolate {
                     points: &of_group,
                     candidates,
                     records: &self.records,
                     values: &self.values,
                     sight: &sight,
                 });
-                interpolated.doubts.retain(|(_, mask)| mask & used != 0);
-                if interpolated.doubts.is_empty() {
+                let doubts = interpolated
+                    .doubts
+                    .into_iter()
+                    .flat_map(|(place, mask)| SetBits(mask & used).map(move |lane| (place, lane)));
+                let doubts: Vec<(usize, usize)> = doubts.collect();
+                if doubts.is_empty() {
                     break interpolated.values;
                 }
                 sight.resize(candidates.len(), Sight::default());
-                for (place, _) in interpolated.doubts {
-                    let eye = self.records[candidates[place] as usize].eye;
-                    sight[place] = Sight {
-                        asked: u32::MAX,
-                        blocked: blocked(numbers, eye),
-                    };
+                for doubts in doubts.chunks(LANES) {
+                    let eye = |place: usize| self.records[candidates[place] as usize].eye;
+                    let pairs = doubts
+                        .iter()
+                        .map(|&(place, lane)| (numbers[lane], eye(place)));
+                    let blocked = blocked(&pairs.collect::<Vec<_>>());
+                    for (bit, &(place, lane)) in doubts.iter().enumerate() {
+                        sight[place].asked |= 1 << lane;
+                        sight[place].blocked |= (blocked >> bit & 1) << lane;
+                    }
                 }
             };
             for (&index, value) in numbers.iter().zip(found) {
@@ -97,12 +105,15 @@ struct Group {
     points: [u32; LANES],
 }
 
+/// Points go to one of so many groups, if any takes them.
+const OPEN: usize = 8;
+
 /// Divides points into groups.
 fn groups(tree: &Octree, points: &[(Vec3, Vec3)]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     for (index, (position, _)) in (0..).zip(points) {
         let takes = |group: &&mut Group| group.count < LANES && group.leaf.contains(*position);
-        if let Some(group) = groups.iter_mut().rev().find(takes) {
+        if let Some(group) = groups.iter_mut().rev().take(OPEN).find(takes) {
             group.points[group.count] = index;
             group.count += 1;
         } else {

@@ -29,27 +29,38 @@ pub struct IrradianceRecord {
     pub radius: f32,
     /// A point above the record: what sees it sees the record.
     pub eye: Vec3,
-    /// Whether other surfaces are so close that points within the radius may lie behind them.
-    pub is_obstructed: bool,
+    /// The distance in metres up to which no other surface stands between the record and points of its own, as far as that
+    /// is known: the radius, if none is near.
+    pub free_radius: f32,
 }
 
 impl IrradianceRecord {
-    /// Squared distance of a surface point in units of the radius, plus `normal_weight` (1 - cos) for the angle
+    /// The weight of the angle between normals: records are valid up to an angle of `max_angle` radians, above 0.
+    pub fn angle_weight(max_angle: f32) -> f32 {
+        1.0 / (1.0 - libm::cosf(max_angle))
+    }
+
+    /// Whether no other surface is so close that points within the radius may lie behind it.
+    pub fn is_free(&self) -> bool {
+        self.free_radius >= self.radius
+    }
+
+    /// Squared distance of a surface point in units of the radius, plus `angle_weight` (1 - cos) for the angle
     /// between the normals.
     #[inline]
-    pub fn distance_squared(&self, position: Vec3, normal: Vec3, normal_weight: f32) -> f32 {
+    pub fn distance_squared(&self, position: Vec3, normal: Vec3, angle_weight: f32) -> f32 {
         let offset = position - self.position;
         let height = offset.dot(self.normal);
         let squared = offset.length_squared() + HEIGHT_WEIGHT * height * height;
-        squared / (self.radius * self.radius) + (1.0 - normal.dot(self.normal)) * normal_weight
+        squared / (self.radius * self.radius) + (1.0 - normal.dot(self.normal)) * angle_weight
     }
 
     /// Interpolation weight at a surface point: falls smoothly to 0 at the radius. Of overlapping records the smaller ones,
     /// which stand where irradiance changes fast, decide. Whether the point sees the record is another question: see
     /// [`IrradianceRecord::is_doubtful`].
     #[inline]
-    pub fn weight(&self, position: Vec3, normal: Vec3, normal_weight: f32) -> f32 {
-        let rest = (1.0 - self.distance_squared(position, normal, normal_weight)).max(0.0);
+    pub fn weight(&self, position: Vec3, normal: Vec3, angle_weight: f32) -> f32 {
+        let rest = (1.0 - self.distance_squared(position, normal, angle_weight)).max(0.0);
         let scale = 1.0 / (self.radius * self.radius);
         rest * rest * scale * scale
     }
@@ -63,7 +74,8 @@ impl IrradianceRecord {
         // Curved surfaces fall below the tangent plane by half of that.
         let turned = (1.0 - cos * cos).max(0.0) * offset.length_squared();
         let sure = SURE_HEIGHT * self.radius;
-        self.is_obstructed || height * height > sure * sure + turned
+        let is_free = offset.length_squared() <= self.free_radius * self.free_radius;
+        !is_free || height * height > sure * sure + turned
     }
 
     /// Bounds of all points within the radius.
@@ -90,7 +102,7 @@ mod tests {
             normal,
             radius,
             eye: position,
-            is_obstructed: false,
+            free_radius: f32::INFINITY,
         }
     }
 
@@ -135,9 +147,11 @@ mod tests {
         assert!(!record.is_doubtful(Vec3::new(0.1, 0.005, 0.0), Vec3::Y));
         assert!(record.is_doubtful(Vec3::new(0.1, -0.01, 0.0), Vec3::Y));
         let obstructed = IrradianceRecord {
-            is_obstructed: true,
+            free_radius: 0.1,
             ..record
         };
-        assert!(obstructed.is_doubtful(Vec3::ZERO, Vec3::Y));
+        assert!(!obstructed.is_free());
+        assert!(!obstructed.is_doubtful(0.09 * Vec3::X, Vec3::Y));
+        assert!(obstructed.is_doubtful(0.11 * Vec3::X, Vec3::Y));
     }
 }

@@ -12,7 +12,7 @@ pub struct IrradianceRecords {
     list: Vec<IrradianceRecord>,
     tree: Octree,
     /// Weight of the angle between normals: see [`IrradianceRecord::weight`].
-    normal_weight: f32,
+    angle_weight: f32,
 }
 
 impl IrradianceRecords {
@@ -32,7 +32,7 @@ impl IrradianceRecords {
         let records = IrradianceRecords {
             tree: Octree::of(bounds, list.iter().map(IrradianceRecord::bounds)),
             list,
-            normal_weight: 1.0 / (1.0 - libm::cosf(max_angle)),
+            angle_weight: IrradianceRecord::angle_weight(max_angle),
         };
         (records, order)
     }
@@ -56,8 +56,8 @@ impl IrradianceRecords {
         &self.tree
     }
 
-    pub(super) fn normal_weight(&self) -> f32 {
-        self.normal_weight
+    pub(super) fn angle_weight(&self) -> f32 {
+        self.angle_weight
     }
 
     /// The smallest radius of records that cover a point; none if there are none.
@@ -66,8 +66,14 @@ impl IrradianceRecords {
         // Radii grow.
         candidates
             .map(|&index| &self.list[index as usize])
-            .find(|record| record.weight(position, normal, self.normal_weight) > 0.0)
+            .find(|record| record.weight(position, normal, self.angle_weight) > 0.0)
             .map(|record| record.radius)
+    }
+
+    /// The smallest radius of records around a point, whether they cover it or not; none if there are none.
+    pub fn smallest_near(&self, position: Vec3) -> Option<f32> {
+        let near = self.tree.boxes(self.tree.leaf(position).node).first();
+        near.map(|&index| self.list[index as usize].radius)
     }
 
     /// Memory in bytes.

@@ -4,7 +4,7 @@ use super::emitters::Emitters;
 use super::mesh_material::MeshMaterial;
 use super::shadow_packet::ShadowPacket;
 use super::surface_point::{SurfacePoint, SurfacePointPacket};
-use crate::accel::{Bvh, ClearanceCone, QueryState};
+use crate::accel::{Bvh, ClearanceCone, QueryState, RayPacket};
 use crate::geometry::{Hit, Mesh, Sphere, VertexIndices};
 use crate::light::{PointLight, Sky, Sun};
 use crate::material::{FeatureSet, Material};
@@ -60,6 +60,12 @@ impl Scene {
     /// Whether a ray hits anything.
     pub fn occluded(&self, ray: &Ray, query_state: &mut QueryState) -> bool {
         self.bvh.occluded(ray, query_state)
+    }
+
+    /// The mask of one to sixteen rays that hit anything; fast for coherent rays.
+    pub fn occluded_mask(&self, rays: &[Ray], query_state: &mut QueryState) -> u32 {
+        self.bvh
+            .occluded_coherent(&RayPacket::new(rays), query_state)
     }
 
     /// The closest hit of each ray, or none; fast for coherent rays.

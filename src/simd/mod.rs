@@ -22,6 +22,8 @@ pub use floats::PACKET_WIDTH;
 pub(crate) use floats::{ALL_LANES, Floats};
 pub use kernel::Kernel;
 pub(crate) use kernel::{Simd, WithSimd};
+#[cfg(test)]
+pub(crate) use portable::PortableFloats;
 pub(crate) use portable::{Scalar, ScalarDouble};
 pub(crate) use set_bits::SetBits;
 

@@ -1,19 +1,21 @@
-//! Irradiance at the second and later vertices of a path, coarser than what the camera sees because each gathered
-//! value averages many of them (the idea of Tabellion and Lamorlette 2004, "An Approximate Global Illumination
-//! System for Computer Generated Films").
+//! Irradiance in cells of space: one record in each, which is gathered when it is first asked for, and is the same whoever
+//! asks.
 //!
-//! There is one record in a cell. It is gathered when a path first asks for it, and is the same whoever asks.
+//! So it is kept for the second and later vertices of a path, coarser than what the camera sees because each gathered
+//! value averages many of them (the idea of Tabellion and Lamorlette 2004, "An Approximate Global Illumination
+//! System for Computer Generated Films"); and for the few points that a camera sees where no primary record is.
 
 use super::cell::CellKey;
+use super::record::IrradianceRecord;
 use dashmap::DashMap;
 use glam::Vec3;
 use rustc_hash::FxBuildHasher;
 use serde::{Deserialize, Serialize, Serializer};
 use std::sync::{Arc, OnceLock};
 
-/// What decides secondary records, beside the scene.
+/// What decides the records of cells, beside the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SecondarySettings {
+pub struct CellSettings {
     /// The level of their largest cells.
     pub level: i8,
     /// Paths that gather a value.
@@ -22,43 +24,30 @@ pub struct SecondarySettings {
     pub seed: u32,
 }
 
-/// Where the record of a cell stands.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SecondaryPlace {
-    /// Position in metres, relative to the scene's origin.
-    pub position: Vec3,
-    /// The unit shading normal.
-    pub normal: Vec3,
-    /// A point above the record: what sees it sees the record.
-    pub eye: Vec3,
-    /// Whether other surfaces are so close that irradiance may change within the cell.
-    pub is_obstructed: bool,
-}
-
 /// The record of a cell.
 #[derive(Debug)]
-pub struct SecondaryRecord {
+pub struct CellRecord {
     /// Where it stands.
-    pub place: SecondaryPlace,
+    pub place: IrradianceRecord,
     /// E / π in W/(sr m²), by the number of bounces left, less 1; unset until they are asked for.
     pub values: Vec<OnceLock<Vec3>>,
 }
 
-/// Mean incident radiance at surfaces that gathered rays hit.
+/// Mean incident radiance in cells.
 #[derive(Debug, Deserialize)]
 #[serde(from = "StoredRecords")]
-pub struct SecondaryIrradiance {
-    settings: SecondarySettings,
+pub struct CellIrradiance {
+    settings: CellSettings,
     /// The most bounces left.
     bounces: u32,
     /// None where a cell has no surface.
-    cells: DashMap<CellKey, Option<Arc<SecondaryRecord>>, FxBuildHasher>,
+    cells: DashMap<CellKey, Option<Arc<CellRecord>>, FxBuildHasher>,
 }
 
-impl SecondaryIrradiance {
+impl CellIrradiance {
     /// Without records yet, for up to `bounces` bounces.
-    pub fn new(settings: SecondarySettings, bounces: u32) -> SecondaryIrradiance {
-        SecondaryIrradiance {
+    pub fn new(settings: CellSettings, bounces: u32) -> CellIrradiance {
+        CellIrradiance {
             settings,
             bounces,
             cells: DashMap::default(),
@@ -66,7 +55,7 @@ impl SecondaryIrradiance {
     }
 
     /// What decides its records.
-    pub fn settings(&self) -> SecondarySettings {
+    pub fn settings(&self) -> CellSettings {
         self.settings
     }
 
@@ -74,13 +63,13 @@ impl SecondaryIrradiance {
     pub fn record(
         &self,
         cell: CellKey,
-        place: impl FnOnce() -> Option<SecondaryPlace>,
-    ) -> Option<Arc<SecondaryRecord>> {
+        place: impl FnOnce() -> Option<IrradianceRecord>,
+    ) -> Option<Arc<CellRecord>> {
         if let Some(found) = self.cells.get(&cell) {
             return found.clone();
         }
         let record = place().map(|place| {
-            Arc::new(SecondaryRecord {
+            Arc::new(CellRecord {
                 place,
                 values: (0..self.bounces).map(|_| OnceLock::new()).collect(),
             })
@@ -101,18 +90,18 @@ impl SecondaryIrradiance {
 
     /// Memory in bytes.
     pub fn memory(&self) -> usize {
-        let record = size_of::<SecondaryRecord>()
+        let record = size_of::<CellRecord>()
             + self.bounces as usize * size_of::<OnceLock<Vec3>>()
             + 2 * size_of::<usize>();
-        let slot = size_of::<(CellKey, Option<Arc<SecondaryRecord>>)>() + 1;
+        let slot = size_of::<(CellKey, Option<Arc<CellRecord>>)>() + 1;
         self.cells.capacity() * slot + self.len() * record
     }
 }
 
-/// What a file keeps of [`SecondaryIrradiance`].
+/// What a file keeps of [`CellIrradiance`].
 #[derive(Serialize, Deserialize)]
 struct StoredRecords {
-    settings: SecondarySettings,
+    settings: CellSettings,
     bounces: u32,
     /// In the order of cells.
     cells: Vec<(CellKey, Option<StoredRecord>)>,
@@ -120,13 +109,13 @@ struct StoredRecords {
 
 #[derive(Serialize, Deserialize)]
 struct StoredRecord {
-    place: SecondaryPlace,
+    place: IrradianceRecord,
     values: Vec<Option<Vec3>>,
 }
 
-impl Serialize for SecondaryIrradiance {
+impl Serialize for CellIrradiance {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let stored = |record: &Arc<SecondaryRecord>| StoredRecord {
+        let stored = |record: &Arc<CellRecord>| StoredRecord {
             place: record.place,
             values: record
                 .values
@@ -148,11 +137,11 @@ impl Serialize for SecondaryIrradiance {
     }
 }
 
-impl From<StoredRecords> for SecondaryIrradiance {
-    fn from(stored: StoredRecords) -> SecondaryIrradiance {
+impl From<StoredRecords> for CellIrradiance {
+    fn from(stored: StoredRecords) -> CellIrradiance {
         let record = |StoredRecord { place, values }: StoredRecord| {
             let values = values.into_iter();
-            Arc::new(SecondaryRecord {
+            Arc::new(CellRecord {
                 place,
                 values: values
                     .map(|value| value.map_or_else(OnceLock::new, OnceLock::from))
@@ -160,7 +149,7 @@ impl From<StoredRecords> for SecondaryIrradiance {
             })
         };
         let cells = stored.cells.into_iter();
-        SecondaryIrradiance {
+        CellIrradiance {
             settings: stored.settings,
             bounces: stored.bounces,
             cells: cells.map(|(key, cell)| (key, cell.map(record))).collect(),

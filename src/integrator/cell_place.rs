@@ -12,6 +12,9 @@ use glam::{Vec3, Vec3Swizzles};
 /// may be curved. Where lower ones stand records are so much smaller that larger ones do not count.
 const OBSTRUCTION_SINE: f64 = 0.15;
 
+/// What stands on the plane of a record is nearer at its foot than where it rises above that elevation.
+const FREE: f64 = 0.98;
+
 /// The height of a record's eye, in radii.
 const EYE_HEIGHT: f32 = 0.15;
 
@@ -24,13 +27,14 @@ pub fn record_in_cell(
     query_state: &mut QueryState,
 ) -> Option<(SurfacePoint, IrradianceRecord)> {
     let point = place_in_cell(scene, cell, seed, query_state)?;
-    let clearance = scene.clearance(&point, OBSTRUCTION_SINE, radius.into());
+    let within = f64::from(radius) / FREE;
+    let clearance = scene.clearance(&point, OBSTRUCTION_SINE, within);
     let record = IrradianceRecord {
         position: point.position,
         normal: point.shading_normal,
         radius,
         eye: eye_above(scene, &point, EYE_HEIGHT * radius, query_state),
-        free_radius: clearance.map_or(radius, |distance| distance as f32),
+        free_radius: clearance.map_or(radius, |distance| (FREE * distance) as f32),
     };
     Some((point, record))
 }

@@ -6,6 +6,7 @@ use super::finest_view::FinestView;
 use super::fit_gradients::RecordFit;
 use super::gather::{GatherDemand, GatherSettings};
 use super::gathered_light::{GatheredLight, PathCells, RecordKey};
+use super::keeper::BakeKeeper;
 use super::placement::{MAX_ABOVE, PlacedCell, Placement};
 use crate::camera::CameraPath;
 use crate::integrator::FinalGather;
@@ -55,7 +56,7 @@ struct PathRecords {
 
 impl BakeState {
     /// The highest refinement level.
-    pub const MAX_REFINEMENT: u32 = 3;
+    pub const MAX_REFINEMENT: u32 = 2;
 
     /// The state without records, where `bounces` bounces are counted.
     pub fn new(bounces: u32, seed: u32) -> BakeState {
@@ -107,10 +108,10 @@ impl BakeState {
     }
 
     /// Adds the records of a path whose frames have `size` columns and rows, in place of those of another level. At each
-    /// refinement level, from 0 to [`BakeState::MAX_REFINEMENT`], cells have half the side of the last. `reserve` is as that
-    /// of [`super::bake_with_room`].
+    /// refinement level, from 0 to [`BakeState::MAX_REFINEMENT`], cells have half the side of the last. What was gathered
+    /// before is not gathered again.
     #[expect(clippy::too_many_arguments, reason = "a path and how it is rendered")]
-    pub fn add_camera_path<E>(
+    pub fn add_camera_path<Keeper: BakeKeeper>(
         &mut self,
         scene: &Scene,
         path: &CameraPath,
@@ -118,10 +119,13 @@ impl BakeState {
         size: (u32, u32),
         refinement_level: u32,
         listener: Listener,
-        reserve: &mut impl FnMut(u64) -> Result<(), E>,
-    ) -> Result<(), E> {
+        keeper: &mut Keeper,
+    ) -> Result<(), Keeper::Error> {
         /// How often records are added where the first ones turn out to be too far apart.
         const ROUNDS: i32 = 4;
+        /// In so many parts are records gathered, unless these have fewer than so many records.
+        const CHUNKS: usize = 32;
+        const LEAST: usize = 1 << 13;
         let probe = PathProbe {
             scene,
             path,
@@ -156,8 +160,7 @@ impl BakeState {
             refinement_level,
         });
         let light = self.light_of(settings);
-        reserve(self.stored_bytes(light, &records, path))?;
-        let light = &mut self.lights[light];
+        keeper.reserve(self.stored_bytes(light, &records, path))?;
         for round in 0..=ROUNDS {
             // Later rounds are mostly shorter.
             let [from, to] = [round, round + 1].map(|round| {
@@ -165,11 +168,17 @@ impl BakeState {
                 rest * PLACED + (1.0 - rest) * GATHERED
             });
             let report = |part| listener(from + (to - from) * part, "irradiance");
-            light.gather(&final_gather, &records, self.seed, report);
+            let missing = self.lights[light].missing(&records);
+            let on_record = counter(missing.len(), report);
+            for missing in missing.chunks(missing.len().div_ceil(CHUNKS).max(LEAST)) {
+                self.lights[light].gather(&final_gather, missing, self.seed, &on_record);
+                keeper.checkpoint(self)?;
+            }
             if round == ROUNDS {
                 break;
             }
             for (bounces_left, placement) in (1..).zip(&mut placements) {
+                let light = &self.lights[light];
                 placement.refine(light.too_far_apart(scene, bounces_left, &records));
             }
             let refined = records_of(&placements);
@@ -179,7 +188,7 @@ impl BakeState {
             records = refined;
         }
         let records: Vec<RecordKey> = records.into_keys().collect();
-        let fits = light.fits(scene, self.bounces, &records);
+        let fits = self.lights[light].fits(scene, self.bounces, &records);
         self.paths.retain(|path| path.name != name);
         self.paths.push(PathRecords {
             name: name.to_owned(),

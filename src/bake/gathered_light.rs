@@ -1,6 +1,5 @@
 //! Primary and secondary records that are gathered with the same settings, whichever paths need them.
 
-use super::counter::counter;
 use super::fit_gradients::{Fits, GatheredValue, RecordFit};
 use super::gather::{GatherPass, GatherSettings};
 use super::placement::{MAX_ANGLE, PlacedRecord};
@@ -65,23 +64,24 @@ impl GatheredLight {
         self.settings
     }
 
-    /// Gathers the values of those records that have none.
+    /// Those records that have no value, in order.
+    pub(super) fn missing(&self, records: &PathCells) -> Vec<(RecordKey, PlacedRecord)> {
+        let is_missing = |(key, _): &(&RecordKey, &PlacedRecord)| !self.primary.contains_key(key);
+        let missing = records.iter().filter(is_missing);
+        missing.map(|(key, placed)| (*key, *placed)).collect()
+    }
+
+    /// Gathers the values of records, which are in order.
     pub(super) fn gather(
         &mut self,
         final_gather: &FinalGather,
-        records: &PathCells,
+        records: &[(RecordKey, PlacedRecord)],
         seed: u32,
-        report: impl Fn(f64) + Sync,
+        on_record: &(dyn Fn() + Sync),
     ) {
-        let new = records
-            .iter()
-            .filter(|(key, _)| !self.primary.contains_key(key));
-        let new: Vec<(RecordKey, PlacedRecord)> =
-            new.map(|(key, placed)| (*key, *placed)).collect();
-        let on_record = counter(new.len(), report);
         let alike =
             |a: &RecordKey, b: &RecordKey| (a.bounces_left, a.paths) == (b.bounces_left, b.paths);
-        for group in new.chunk_by(|(a, _), (b, _)| alike(a, b)) {
+        for group in records.chunk_by(|(a, _), (b, _)| alike(a, b)) {
             let (key, _) = group[0];
             let pass = GatherPass {
                 final_gather,
@@ -93,7 +93,7 @@ impl GatheredLight {
                 .iter()
                 .map(|(key, placed)| (key.cell, *placed))
                 .collect();
-            let halves = pass.halves(&in_cells, self.settings.paths << key.paths, &on_record);
+            let halves = pass.halves(&in_cells, self.settings.paths << key.paths, on_record);
             let gathered = group.iter().zip(halves);
             self.primary.extend(
                 gathered.map(|(&(key, placed), halves)| (key, GatheredRecord { placed, halves })),
@@ -105,11 +105,8 @@ impl GatheredLight {
     pub(super) fn bytes_of_new(&self, records: &PathCells) -> usize {
         // About as many secondary records as there are in a room.
         const SECONDARY: usize = 1 << 22;
-        let new = records
-            .keys()
-            .filter(|key| !self.primary.contains_key(key))
-            .count();
-        let of_new = new * (size_of::<RecordKey>() + size_of::<GatheredRecord>());
+        let of_new =
+            self.missing(records).len() * (size_of::<RecordKey>() + size_of::<GatheredRecord>());
         let of_path = size_of::<RecordKey>() + size_of::<RecordFit>();
         of_new + records.len() * of_path + SECONDARY
     }

@@ -19,6 +19,7 @@ mod finest_view;
 mod fit_gradients;
 mod gather;
 mod gathered_light;
+mod keeper;
 mod least_squares;
 mod neighbours;
 mod placement;
@@ -31,7 +32,7 @@ use crate::scene::Scene;
 use bake_state::GATHERED;
 pub use bake_state::{BakeState, Listener};
 pub use cache_file::{CacheFile, CacheFileError};
-use std::convert::Infallible;
+pub use keeper::{BakeKeeper, NoKeeper};
 pub use validation::cache_errors;
 
 /// The baked irradiance cache of a camera path and its error.
@@ -43,9 +44,8 @@ pub struct Baked {
     pub cache: IrradianceCache,
     /// The cache error of each frame of the path; empty if there are no bounces.
     pub errors: Vec<ErrorEstimate>,
-    /// Whether the upper 95 % bound of the cache error is within its part of the target error, half. True without a
-    /// target.
-    pub reaches_target: bool,
+    /// The frames in which it [misses](RenderSettings::cache_misses) its part of the target error.
+    pub missed: Vec<u32>,
 }
 
 /// Bakes the irradiance cache for all frames of a path, called `name`, of these settings, on the threads of the
@@ -61,22 +61,20 @@ pub fn bake(
     given: Option<BakeState>,
     listener: Listener,
 ) -> Baked {
-    let reserve = |_| Ok::<(), Infallible>(());
-    let Ok(baked) = bake_with_room(scene, path, name, settings, given, listener, reserve);
+    let Ok(baked) = bake_kept(scene, path, name, settings, given, listener, &mut NoKeeper);
     baked
 }
 
-/// As [`bake`], but `reserve` hears of the bytes that the state will take in a file as soon as they are known, before
-/// any light is gathered. Its error ends the bake.
-pub fn bake_with_room<E>(
+/// As [`bake`], kept while it goes on.
+pub fn bake_kept<Keeper: BakeKeeper>(
     scene: &Scene,
     path: &CameraPath,
     name: &str,
     settings: &RenderSettings,
     given: Option<BakeState>,
     listener: Listener,
-    mut reserve: impl FnMut(u64) -> Result<(), E>,
-) -> Result<Baked, E> {
+    keeper: &mut Keeper,
+) -> Result<Baked, Keeper::Error> {
     let bounces = settings.integrator.bounces();
     let mut state = given.unwrap_or_else(|| BakeState::new(bounces, settings.seed));
     let mut level = state.refinement_level(name);
@@ -84,15 +82,7 @@ pub fn bake_with_room<E>(
         let refinement_level = level.unwrap_or(0);
         if level.is_none() || state.refinement_level(name) != level {
             let size = (settings.width, settings.height);
-            state.add_camera_path(
-                scene,
-                path,
-                name,
-                size,
-                refinement_level,
-                listener,
-                &mut reserve,
-            )?;
+            state.add_camera_path(scene, path, name, size, refinement_level, listener, keeper)?;
         }
         listener(GATHERED, "cache error");
         let cache = state
@@ -107,16 +97,15 @@ pub fn bake_with_room<E>(
                 errors
             }
         };
-        let reaches_target = settings.target_error.is_none_or(|target| {
-            let is_low = |error: &ErrorEstimate| error.interval()[1] <= 0.5 * target;
-            errors.iter().all(is_low)
-        });
-        if reaches_target || refinement_level == BakeState::MAX_REFINEMENT {
+        let misses = |(_, error): &(u32, &ErrorEstimate)| settings.cache_misses(error);
+        let missed = (0..).zip(&errors).filter(misses).map(|(frame, _)| frame);
+        let missed: Vec<u32> = missed.collect();
+        if missed.is_empty() || refinement_level == BakeState::MAX_REFINEMENT {
             return Ok(Baked {
                 state,
                 cache,
                 errors,
-                reaches_target,
+                missed,
             });
         }
         level = Some(refinement_level + 1);

@@ -120,11 +120,11 @@ impl FrameSink for Comparison<'_> {
     }
 
     fn store(&self, frame: u32, (): (), encoded: &EncodedFrame) -> Result<(), SinkError> {
-        let EncodedFrame { image, error_map } = self.0.files(frame)?;
-        let files = [
-            (self.0.file_of(frame), image == encoded.image),
-            (self.0.map_of(frame), error_map == encoded.error_map),
-        ];
+        let stored = self.0.files(frame)?;
+        let image = (self.0.file_of(frame), stored.image == encoded.image);
+        let maps = stored.maps.iter().zip(&encoded.maps);
+        let maps = self.0.maps_of(frame).zip(maps.map(|(a, b)| a == b));
+        let files = std::iter::once(image).chain(maps);
         for (file, is_same) in files {
             if !is_same {
                 let file = file.display();

@@ -1,5 +1,6 @@
 //! `bake`: the irradiance cache of a camera path, for jobs that share it; and what other commands say when they bake.
 
+use super::frames::ranges;
 use super::job_args::{InputArguments, SettingsArguments, ThreadsArgument};
 use super::outcome::{Failure, Status, error_summary, say, say_waiting, warn};
 use super::progress::{FractionProgress, clock};
@@ -110,11 +111,19 @@ fn summary(baked: &Baked) -> String {
 
 /// What to say of a cache whose error leaves too little room for the target error.
 fn shortfall(baked: &Baked, settings: &RenderSettings) -> Option<String> {
-    let target = settings.target_error.filter(|_| !baked.reaches_target)?;
-    let errors = baked.errors.iter();
+    let target = settings.target_error.filter(|_| !baked.missed.is_empty())?;
+    let errors = baked
+        .missed
+        .iter()
+        .map(|&frame| baked.errors[frame as usize]);
     let worst = errors.map(|error| error.interval()[1]).fold(0.0, f64::max);
     Some(format!(
-        "the cache error, up to {worst:.2e}, leaves too little room for the target error of {target}; \
-         --gi path-traced has no such limit"
+        "frames {}: the cache error, up to {worst:.2e}, leaves too little room for the target error of {target}{}",
+        ranges(&baked.missed),
+        if settings.is_adaptive() {
+            "; they are path traced, which takes longer"
+        } else {
+            ""
+        }
     ))
 }

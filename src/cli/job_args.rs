@@ -59,10 +59,9 @@ pub(super) struct JobArguments {
     /// File format of the frames
     #[arg(long, value_enum, default_value = "png")]
     format: FormatArgument,
-    /// Also keep error_00000.exr beside each frame: the estimated standard error of every pixel, in linear light. With
-    /// Monte Carlo noise it is half the difference of the pixel's A and B half buffers
-    #[arg(long, value_enum, value_name = "LAYER")]
-    aov: Option<AovArgument>,
+    /// Also keep a map of errors beside each frame, in linear light; more than one by commas
+    #[arg(long, value_enum, value_name = "LAYER", value_delimiter = ',')]
+    aov: Vec<AovArgument>,
     #[command(flatten)]
     options: JobOptionArguments,
 }
@@ -72,7 +71,8 @@ impl JobArguments {
         Spec {
             settings: self.settings.settings(),
             format: FrameFormat::from(self.format),
-            error_maps: self.aov.is_some(),
+            error_maps: self.aov.contains(&AovArgument::Error),
+            cache_error_maps: self.aov.contains(&AovArgument::CacheError),
             irradiance_cache: self.gi_cache.clone(),
             preview,
             ..Spec::new(&self.input.scene, &self.input.path)

@@ -16,10 +16,13 @@ pub(super) enum FormatArgument {
     Exr,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum AovArgument {
-    /// The error of every pixel
+    /// error_00000.exr: the estimated standard error of every pixel. With Monte Carlo noise it is half the difference of the
+    /// pixel's A and B half buffers
     Error,
+    /// cache_error_00000.exr: the part of it that the irradiance cache of --gi cached makes; black where frames use none
+    CacheError,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

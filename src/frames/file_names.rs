@@ -1,6 +1,7 @@
 //! The names of the files in a folder of frames.
 
 use super::format::FrameFormat;
+use crate::render::Aov;
 use crate::storage::Folder;
 use std::io::Read;
 
@@ -26,6 +27,8 @@ const FRAME_PREFIX: &str = "frame_";
 
 const ERROR_MAP_PREFIX: &str = "error_";
 
+const CACHE_ERROR_MAP_PREFIX: &str = "cache_error_";
+
 /// The estimate of the sequence.
 pub(super) const ESTIMATE_FILE: &str = "estimate.ron";
 
@@ -43,14 +46,18 @@ pub(super) fn frame_name(frame: u32, format: FrameFormat) -> String {
     format!("{FRAME_PREFIX}{frame:05}.{}", format.extension())
 }
 
-/// The name of the file of a frame's error map.
-pub(super) fn error_map_name(frame: u32) -> String {
-    format!("{ERROR_MAP_PREFIX}{frame:05}.exr")
+/// The name of the file of a frame's map.
+pub(super) fn map_name(frame: u32, aov: Aov) -> String {
+    let prefix = match aov {
+        Aov::Error => ERROR_MAP_PREFIX,
+        Aov::CacheError => CACHE_ERROR_MAP_PREFIX,
+    };
+    format!("{prefix}{frame:05}.exr")
 }
 
-/// The number in a name that is that of a frame or an error map, of whichever format; none in other names.
+/// The number in a name that is that of a frame or a map, of whichever format; none in other names.
 pub(super) fn frame_in(name: &str) -> Option<u32> {
-    let prefixes = [FRAME_PREFIX, ERROR_MAP_PREFIX].into_iter();
+    let prefixes = [FRAME_PREFIX, ERROR_MAP_PREFIX, CACHE_ERROR_MAP_PREFIX].into_iter();
     let rest = prefixes
         .filter_map(|prefix| name.strip_prefix(prefix))
         .next()?;

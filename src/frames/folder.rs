@@ -2,8 +2,8 @@
 //! and renamed, so that a file under a frame's name is a whole frame or was changed from outside.
 
 use super::file_names::{
-    CACHE_FILE, CAMERAS_FILE, MAX_TEXT, SEQUENCE_FILE, SHEET_FILE, error_map_name, frame_name,
-    is_own, is_written,
+    CACHE_FILE, CAMERAS_FILE, MAX_TEXT, SEQUENCE_FILE, SHEET_FILE, frame_name, is_own, is_written,
+    map_name,
 };
 use super::folder_error::FolderError;
 use super::proof::FrameProof;
@@ -170,15 +170,16 @@ impl FrameFolder {
         self.path.join(frame_name(frame, self.sequence.format))
     }
 
-    /// The file of a frame's error map.
-    pub fn map_of(&self, frame: u32) -> PathBuf {
-        self.path.join(error_map_name(frame))
+    /// The files of a frame's maps.
+    pub fn maps_of(&self, frame: u32) -> impl Iterator<Item = PathBuf> {
+        let maps = self.sequence.maps();
+        maps.map(move |aov| self.path.join(map_name(frame, aov)))
     }
 
     /// The names of a frame's files.
     pub(super) fn names_of(&self, frame: u32) -> impl Iterator<Item = String> {
-        let error_map = self.sequence.error_maps.then(|| error_map_name(frame));
-        std::iter::once(frame_name(frame, self.sequence.format)).chain(error_map)
+        let maps = self.sequence.maps().map(move |aov| map_name(frame, aov));
+        std::iter::once(frame_name(frame, self.sequence.format)).chain(maps)
     }
 
     /// The file of the contact sheet.
@@ -221,7 +222,7 @@ impl FrameFolder {
     /// What this process knows of the files of a frame; none if it has neither verified nor stored them.
     pub(super) fn proof(&self, frame: u32) -> Option<FrameProof> {
         let proofs = self.proofs.lock().expect("no holder panics");
-        proofs.get(&frame).copied()
+        proofs.get(&frame).cloned()
     }
 
     /// Whether verified frames are rendered again all the same.

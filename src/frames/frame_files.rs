@@ -1,7 +1,7 @@
 //! The files of the frames of a folder: read, verified, and proven to be those that they were.
 
 use super::encoded_pixels::EncodedPixels;
-use super::file_names::{error_map_name, frame_name};
+use super::file_names::{frame_name, map_name};
 use super::folder::FrameFolder;
 use super::format::FrameFormat;
 use super::proof::{FileHash, FrameProof};
@@ -13,15 +13,15 @@ impl FrameFolder {
     /// Verifies that all files of a frame are there, whole, unchanged, and made from the inputs of the sequence.
     pub fn verify(&self, frame: u32) -> Result<FrameRecord, VerifyError> {
         let (image, record, _) = self.verified(frame)?;
-        let error_map = self.of_error_map(|| {
-            let (hash, ..) = self.verify_file(&error_map_name(frame), frame, FrameFormat::Exr)?;
+        let maps = self.of_maps(frame, |name| {
+            let (hash, ..) = self.verify_file(name, frame, FrameFormat::Exr)?;
             Ok(hash)
         })?;
-        self.keep_proof(frame, FrameProof { image, error_map });
+        self.keep_proof(frame, FrameProof { image, maps });
         Ok(record)
     }
 
-    /// The hash of a frame's file, its record and its pixels, verified; its error map is not looked at.
+    /// The hash of a frame's file, its record and its pixels, verified; its maps are not looked at.
     pub(super) fn verified(
         &self,
         frame: u32,
@@ -46,7 +46,7 @@ impl FrameFolder {
         Ok((FileHash::of(&bytes), record, pixels))
     }
 
-    /// The bytes of the file of a frame or an error map.
+    /// The bytes of the file of a frame or a map.
     fn read(&self, name: &str, format: FrameFormat) -> Result<Vec<u8>, VerifyError> {
         let folder = self.folder().map_err(VerifyError::unreadable)?;
         folder
@@ -65,36 +65,38 @@ impl FrameFolder {
         let now = FrameProof::of(&self.files(frame)?);
         if now.image != proof.image {
             Err(VerifyError::Altered)
-        } else if now.error_map != proof.error_map {
+        } else if now.maps != proof.maps {
             Err(VerifyError::ErrorMap(Box::new(VerifyError::Altered)))
         } else {
             Ok(())
         }
     }
 
-    /// The bytes of the files of a frame, and of its error map if the sequence has one.
+    /// The bytes of the files of a frame and of its maps.
     pub fn files(&self, frame: u32) -> Result<EncodedFrame, VerifyError> {
         let format = self.sequence().format;
         let image = self.read(&frame_name(frame, format), format)?;
-        let error_map =
-            self.of_error_map(|| self.read(&error_map_name(frame), FrameFormat::Exr))?;
-        Ok(EncodedFrame { image, error_map })
+        let maps = self.of_maps(frame, |name| self.read(name, FrameFormat::Exr))?;
+        Ok(EncodedFrame { image, maps })
     }
 
-    /// What is done to a frame's error map; none if the sequence has none.
-    fn of_error_map<T>(
+    /// What is done to the files of a frame's maps.
+    fn of_maps<T>(
         &self,
-        done: impl FnOnce() -> Result<T, VerifyError>,
-    ) -> Result<Option<T>, VerifyError> {
-        let done = self.sequence().error_maps.then(done).transpose();
+        frame: u32,
+        done: impl Fn(&str) -> Result<T, VerifyError>,
+    ) -> Result<Vec<T>, VerifyError> {
+        let maps = self.sequence().maps();
+        let done = maps.map(|aov| done(&map_name(frame, aov)));
+        let done: Result<_, _> = done.collect();
         done.map_err(|error| VerifyError::ErrorMap(Box::new(error)))
     }
 
     /// About the most bytes of memory that verifying a frame takes: its file, its pixels, and both made anew.
     pub fn memory_to_verify(&self) -> u64 {
-        let largest = match self.sequence().error_maps {
-            true => FrameFormat::Exr,
-            false => self.sequence().format,
+        let largest = match self.sequence().maps().next() {
+            Some(_) => FrameFormat::Exr,
+            None => self.sequence().format,
         };
         4 * self.max_file_bytes(largest)
     }

@@ -14,11 +14,11 @@ impl FileHash {
 }
 
 /// The hashes of the files of a frame.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct FrameProof {
     pub(super) image: FileHash,
-    /// None if the sequence has no error maps.
-    pub(super) error_map: Option<FileHash>,
+    /// Of its maps, in the order of the sequence's.
+    pub(super) maps: Vec<FileHash>,
 }
 
 impl FrameProof {
@@ -26,7 +26,7 @@ impl FrameProof {
     pub(super) fn of(files: &EncodedFrame) -> FrameProof {
         FrameProof {
             image: FileHash::of(&files.image),
-            error_map: files.error_map.as_deref().map(FileHash::of),
+            maps: files.maps.iter().map(|map| FileHash::of(map)).collect(),
         }
     }
 }

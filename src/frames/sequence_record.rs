@@ -3,7 +3,7 @@
 use super::format::FrameFormat;
 use super::record::{FrameError, FrameRecord};
 use crate::film::Film;
-use crate::render::{EncodedFrame, RenderedFrame, SinkError};
+use crate::render::{Aov, EncodedFrame, RenderedFrame, SinkError};
 use ron::value::RawValue;
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +33,9 @@ pub struct SequenceRecord {
     pub exposure: f32,
     /// Whether the error of every pixel is stored beside the frames.
     pub error_maps: bool,
+    /// Whether that which the irradiance cache makes is, too.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub cache_error_maps: bool,
     /// Whether frames look indirect light up in an irradiance cache.
     pub irradiance_cache: bool,
     /// Of each frame, a hash of all inputs that decide its pixels.
@@ -65,7 +68,7 @@ impl SequenceRecord {
 
     /// The files of a frame, with the record by which it is verified.
     pub fn encode(&self, frame: u32, rendered: RenderedFrame) -> Result<EncodedFrame, SinkError> {
-        let error_map = self.error_maps.then(|| rendered.standard_errors());
+        let maps: Vec<Film> = self.maps().map(|aov| rendered.map(aov)).collect();
         let RenderedFrame {
             mut film, error, ..
         } = rendered;
@@ -85,11 +88,18 @@ impl SequenceRecord {
             Ok(format.encode(&pixels, &record.to_text()?)?)
         };
         let image = encode(self.format, &film)?;
-        let error_map = error_map.map(|map| encode(FrameFormat::Exr, &map));
+        let maps = maps.iter().map(|map| encode(FrameFormat::Exr, map));
         Ok(EncodedFrame {
             image,
-            error_map: error_map.transpose()?,
+            maps: maps.collect::<Result<_, _>>()?,
         })
+    }
+
+    /// The maps beside each frame.
+    pub fn maps(&self) -> impl Iterator<Item = Aov> + use<> {
+        let error = self.error_maps.then_some(Aov::Error);
+        let cache_error = self.cache_error_maps.then_some(Aov::CacheError);
+        error.into_iter().chain(cache_error)
     }
 
     /// What a file's facts say that is not so, as "24 frames per second instead of 25"; empty if `self` is as
@@ -102,10 +112,11 @@ impl SequenceRecord {
                 format!("{}x{} pixels", of.width, of.height),
                 format!("{} files", of.format),
                 format!("an exposure of {} stops", of.exposure),
-                (if of.error_maps {
-                    "error maps"
-                } else {
-                    "no error maps"
+                (match (of.error_maps, of.cache_error_maps) {
+                    (false, false) => "no error maps",
+                    (true, false) => "error maps",
+                    (false, true) => "maps of the cache error",
+                    (true, true) => "maps of the error and the cache error",
                 })
                 .to_owned(),
             ]

@@ -1,6 +1,6 @@
 //! Stores rendered frames in a folder that processes share: each frame is locked, reserved, written and renamed.
 
-use super::file_names::{error_map_name, frame_name};
+use super::file_names::{frame_name, map_name};
 use super::folder::FrameFolder;
 use super::format::FrameFormat;
 use super::proof::FrameProof;
@@ -11,7 +11,7 @@ use crate::storage::{FileError, FileLock, PartFile};
 #[derive(Debug)]
 pub struct FrameLock {
     image: PartFile,
-    error_map: Option<PartFile>,
+    maps: Vec<PartFile>,
     _lock: Option<FileLock>,
 }
 
@@ -47,13 +47,11 @@ impl FrameSink for FrameFolder {
             part.reserve(self.max_file_bytes(format))?;
             Ok::<_, FileError>(part)
         };
-        let error_map = self
-            .sequence()
-            .error_maps
-            .then(|| with_room(&error_map_name(frame), FrameFormat::Exr));
+        let maps = self.sequence().maps();
+        let maps = maps.map(|aov| with_room(&map_name(frame, aov), FrameFormat::Exr));
         Ok(Claim::Granted(FrameLock {
             image: with_room(&name, self.sequence().format)?,
-            error_map: error_map.transpose()?,
+            maps: maps.collect::<Result<_, _>>()?,
             _lock: lock,
         }))
     }
@@ -63,8 +61,8 @@ impl FrameSink for FrameFolder {
     }
 
     fn store(&self, frame: u32, lock: FrameLock, encoded: &EncodedFrame) -> Result<(), SinkError> {
-        // The frame comes last: where it is, its map is.
-        if let (Some(map), Some(part)) = (&encoded.error_map, lock.error_map) {
+        // The frame comes last: where it is, its maps are.
+        for (map, part) in encoded.maps.iter().zip(lock.maps) {
             part.finish(map)?;
         }
         lock.image.finish(&encoded.image)?;

@@ -31,6 +31,7 @@ fn sequence(input_hash: &str) -> SequenceRecord {
         format: FrameFormat::Png,
         exposure: 0.0,
         error_maps: false,
+        cache_error_maps: false,
         irradiance_cache: false,
         input_hashes: vec![input_hash.to_owned(); 3],
     }
@@ -41,6 +42,7 @@ fn rendered(light: f32) -> RenderedFrame {
         film: Film::from_pixels(4, 2, vec![Vec3::splat(light); 8]),
         half_difference: Some(Film::from_pixels(4, 2, vec![Vec3::splat(-0.1); 8])),
         expected_errors: Vec::new(),
+        cache_errors: None,
         display_white: 1.0,
         error: FrameErrorEstimate {
             whole: ErrorEstimate {
@@ -182,7 +184,7 @@ fn an_error_map_belongs_to_its_frame() {
     let folder = FrameFolder::new(root.path(), with_maps, false);
     store(&folder, 0).expect("stored");
     folder.verify(0).expect("whole");
-    fs::write(folder.map_of(0), "half").expect("written");
+    fs::write(folder.maps_of(0).next().expect("one"), "half").expect("written");
     assert!(matches!(folder.verify(0), Err(VerifyError::ErrorMap(_))));
     store(&folder, 0).expect("made again");
     folder.verify(0).expect("whole");
@@ -344,6 +346,7 @@ fn proofs_see_what_happened_since() {
     let path = root.path().join("frames");
     let with_maps = SequenceRecord {
         error_maps: true,
+        cache_error_maps: true,
         ..sequence("a")
     };
     let folder = FrameFolder::new(&path, with_maps.clone(), false);
@@ -356,15 +359,13 @@ fn proofs_see_what_happened_since() {
         folder.prove(0).expect("whole");
         folder.prove(1).expect("whole");
         assert!(matches!(folder.prove(2), Err(VerifyError::Missing)));
-        for file in [folder.file_of(1), folder.map_of(1)] {
+        let files =
+            |frame: u32| std::iter::once(folder.file_of(frame)).chain(folder.maps_of(frame));
+        assert_eq!(files(1).count(), 3);
+        for (file, other) in files(1).zip(files(0)) {
             let whole = fs::read(&file).expect("there");
             // Whole, but another file than the one that was written.
-            let other = fs::read(if file == folder.map_of(1) {
-                folder.map_of(0)
-            } else {
-                folder.file_of(0)
-            });
-            fs::write(&file, other.expect("there")).expect("written");
+            fs::copy(other, &file).expect("written");
             let altered = folder.prove(1).expect_err("altered").to_string();
             assert!(
                 altered.ends_with("altered after it was written"),

@@ -56,7 +56,7 @@ impl VerifyError {
 /// What the file of a frame has to be.
 pub(super) struct Expected<'a> {
     pub(super) frame: u32,
-    /// Of the file: an error map has another one than the sequence.
+    /// Of the file: a map has another one than the sequence.
     pub(super) format: FrameFormat,
     pub(super) sequence: &'a SequenceRecord,
 }

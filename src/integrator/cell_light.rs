@@ -39,9 +39,10 @@ impl CellLight<'_> {
     ) -> Option<Vec3> {
         let (scene, seed) = (self.final_gather.scene(), self.cells.settings().seed);
         let radius = RADIUS * cell.side();
-        let record = self.cells.record(cell, || {
-            record_in_cell(scene, &cell, radius, seed, query_state).map(|(_, record)| record)
-        })?;
+        // Its rays do not count as the point's: they are only traced for the first that asks.
+        let own = &mut QueryState::default();
+        let place = || record_in_cell(scene, &cell, radius, seed, own).map(|(_, record)| record);
+        let record = self.cells.record(cell, place)?;
         if !self.is_valid(point, &record.place, query_state) {
             return None;
         }

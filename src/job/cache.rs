@@ -4,11 +4,12 @@ use super::error::JobError;
 use super::identity::{BUILD, CacheIdentity, cache_hash};
 use super::inputs::Inputs;
 use super::options::JobOptions;
-use crate::bake::{BakeState, Baked, CacheFile, CacheFileError, Listener, bake_with_room};
+use crate::bake::{BakeKeeper, BakeState, Baked, CacheFile, CacheFileError, Listener, bake_kept};
 use crate::memory::check_room;
 use crate::render::RenderSettings;
 use crate::storage::{PartFile, WaitListener};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// The location of an irradiance cache.
 #[derive(Debug)]
@@ -67,7 +68,7 @@ impl OpenedCache {
         for build in &options.accepted_builds {
             let cache = of_build(file, build);
             if let Ok(Some(found)) = cache.read(false)
-                && (!is_own || found.camera_paths().eq([path_hash.as_str()]))
+                && (!is_own || holds_no_other(&found, &path_hash))
             {
                 return Ok(opened(Some(cache), Some(found), build));
             }
@@ -86,7 +87,7 @@ impl OpenedCache {
             }
             found => found?,
         };
-        let found = found.filter(|found| !is_own || found.camera_paths().eq([path_hash.as_str()]));
+        let found = found.filter(|found| !is_own || holds_no_other(found, &path_hash));
         Ok(opened(Some(cache), found, BUILD))
     }
 
@@ -127,40 +128,117 @@ impl OpenedCache {
             }
         }
         let is_complete = self.is_complete(settings);
-        let file = self.file.filter(|_| !is_complete);
-        let mut not_kept = None;
-        let mut tolerate = |begun: Result<Option<PartFile>, CacheFileError>| match (begun, keep) {
-            (Err(error), KeepCache::IfPossible) => {
-                not_kept = Some(error);
-                Ok(None)
-            }
-            (begun, _) => begun,
-        };
-        let mut begun = tolerate(file.as_ref().map(CacheFile::begin).transpose())?;
-        // Gathering the light takes long: there has to be room for it.
-        let reserve = |bytes: u64| {
-            let reserved = begun.take().map(|begun| {
-                begun.reserve(CacheFile::bytes(bytes))?;
-                Ok(begun)
-            });
-            begun = tolerate(reserved.transpose())?;
-            // Records as they are baked, as frames look them up, and as a file.
-            check_room(
-                "the irradiance cache",
-                4 * bytes,
-                "choose a smaller --size, or --gi path-traced",
-            )?;
-            Ok::<(), JobError>(())
-        };
+        let mut keeper = FileKeeper::begin(self.file.filter(|_| !is_complete), keep)?;
         let (scene, path) = (&inputs.scene.scene, &inputs.path.path);
         let (found, name) = (self.found, &self.path_hash);
-        let work = || bake_with_room(scene, path, name, settings, found, listener, reserve);
+        let work = || bake_kept(scene, path, name, settings, found, listener, &mut keeper);
         let baked = inputs.pool.install(work)?;
-        if let Some((file, begun)) = file.zip(begun) {
-            tolerate(file.finish(begun, &baked.state).map(|()| None))?;
-        }
+        keeper.write(&baked.state)?;
+        let not_kept = keeper.not_kept;
         drop(lock);
         Ok((baked, not_kept))
+    }
+}
+
+/// Whether a state has the records of no other path; those of this one may be on the way.
+fn holds_no_other(state: &BakeState, path_hash: &str) -> bool {
+    state.camera_paths().all(|path| path == path_hash)
+}
+
+/// Bakes that take longer than this are written while they go on.
+const CHECKPOINT: Duration = Duration::from_secs(60);
+
+/// Writes the file of a cache.
+struct FileKeeper {
+    /// None if nothing is written.
+    file: Option<CacheFile>,
+    keep: KeepCache,
+    /// The file that is written next; none if it cannot be.
+    begun: Option<PartFile>,
+    /// The bytes to reserve for it.
+    bytes: u64,
+    written: Instant,
+    /// Why it cannot be kept.
+    not_kept: Option<CacheFileError>,
+}
+
+impl FileKeeper {
+    fn begin(file: Option<CacheFile>, keep: KeepCache) -> Result<FileKeeper, CacheFileError> {
+        let mut keeper = FileKeeper {
+            file,
+            keep,
+            begun: None,
+            bytes: 0,
+            written: Instant::now(),
+            not_kept: None,
+        };
+        keeper.begin_next()?;
+        Ok(keeper)
+    }
+
+    fn begin_next(&mut self) -> Result<(), CacheFileError> {
+        let begun = self.file.as_ref().map(CacheFile::begin).transpose();
+        self.begun = self.tolerated(begun)?;
+        Ok(())
+    }
+
+    /// Gathering the light takes long: there has to be room for it.
+    fn reserve_next(&mut self) -> Result<(), CacheFileError> {
+        let bytes = self.bytes;
+        let reserved = self.begun.take().map(|begun| {
+            begun.reserve(CacheFile::bytes(bytes))?;
+            Ok(begun)
+        });
+        self.begun = self.tolerated(reserved.transpose())?;
+        Ok(())
+    }
+
+    fn write(&mut self, state: &BakeState) -> Result<(), CacheFileError> {
+        let finished = match (&self.file, self.begun.take()) {
+            (Some(file), Some(begun)) => file.finish(begun, state).map(|()| None::<()>),
+            _ => Ok(None),
+        };
+        self.tolerated(finished)?;
+        Ok(())
+    }
+
+    fn tolerated<T>(
+        &mut self,
+        done: Result<Option<T>, CacheFileError>,
+    ) -> Result<Option<T>, CacheFileError> {
+        match (done, self.keep) {
+            (Err(error), KeepCache::IfPossible) => {
+                self.not_kept = Some(error);
+                Ok(None)
+            }
+            (done, _) => done,
+        }
+    }
+}
+
+impl BakeKeeper for FileKeeper {
+    type Error = JobError;
+
+    fn reserve(&mut self, bytes: u64) -> Result<(), JobError> {
+        self.bytes = bytes;
+        self.reserve_next()?;
+        // Records as they are baked, as frames look them up, and as a file.
+        check_room(
+            "the irradiance cache",
+            4 * bytes,
+            "choose a smaller --size, or --gi path-traced",
+        )?;
+        Ok(())
+    }
+
+    fn checkpoint(&mut self, state: &BakeState) -> Result<(), JobError> {
+        if self.begun.is_some() && self.written.elapsed() > CHECKPOINT {
+            self.write(state)?;
+            self.begin_next()?;
+            self.reserve_next()?;
+            self.written = Instant::now();
+        }
+        Ok(())
     }
 }
 

@@ -41,6 +41,11 @@ pub enum JobError {
     /// A shared cache is named, but frames look nothing up.
     #[error("--gi-cache: add --gi cached")]
     UnusedCache,
+    /// A map of the cache error is asked for, but frames look nothing up.
+    #[error(
+        "--aov cache-error: these frames use no irradiance cache; add --gi cached, or leave it out"
+    )]
+    NoCacheError,
     /// A budget and a target error both decide on samples.
     #[error(
         "--budget: cannot be combined with target_error, which the scene or the camera path sets"

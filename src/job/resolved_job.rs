@@ -11,6 +11,7 @@ use crate::forecast::Workload;
 use crate::frames::{FrameFolder, SequenceRecord, is_name_of_frames};
 use crate::input::{GlobalIllumination, Mode, Samples, Settings};
 use crate::integrator::IntegratorSettings;
+use crate::irradiance_cache::IrradianceCache;
 use crate::memory::check_room;
 use crate::render::{
     FRAMES_IN_FLIGHT, FrameSink, Outcome, PixelSampling, RenderObserver, RenderSettings, Renderer,
@@ -36,6 +37,8 @@ pub struct Job {
     /// What the cache is made from.
     cache_identity: Option<CacheIdentity>,
     baked: Option<Baked>,
+    /// The halves of its irradiance cache, if maps of its error are asked for.
+    cache_halves: Option<[IrradianceCache; 2]>,
 }
 
 impl Job {
@@ -81,6 +84,7 @@ impl Job {
             exposure: given.exposure.unwrap_or(0.0),
             accepted_builds: options.accepted_builds.clone(),
             baked: None,
+            cache_halves: None,
             spec,
             inputs,
             settings,
@@ -176,6 +180,9 @@ impl Job {
         let was_complete = opened.is_complete(&self.settings);
         let (baked, not_kept) =
             opened.bake(&self.inputs, &self.settings, listener, keep, waiting)?;
+        if self.spec.cache_error_maps {
+            self.cache_halves = Some(baked.cache.halves());
+        }
         Ok(Some(BakeOutcome {
             baked: self.baked.insert(baked),
             was_complete,
@@ -204,6 +211,7 @@ impl Job {
             format: self.spec.format,
             exposure: self.exposure,
             error_maps: self.spec.error_maps,
+            cache_error_maps: self.spec.cache_error_maps,
             irradiance_cache: self.cache_identity.is_some(),
             input_hashes: all.hashes(),
         })
@@ -213,9 +221,13 @@ impl Job {
     fn renderer(&self) -> Renderer<'_> {
         let cache = self.baked.as_ref().map(|baked| &baked.cache);
         let errors = self.baked.as_ref().map_or(&[][..], |baked| &baked.errors);
-        Renderer::new(&self.inputs.scene.scene, self.settings.clone(), cache)
+        let renderer = Renderer::new(&self.inputs.scene.scene, self.settings.clone(), cache)
             .expect("frames that look light up have a baked cache")
-            .with_cache_errors(errors)
+            .with_cache_errors(errors);
+        match &self.cache_halves {
+            Some(halves) => renderer.with_cache_halves(halves),
+            None => renderer,
+        }
     }
 
     /// Checks that the memory suffices for its frames.
@@ -290,9 +302,10 @@ fn open_cache(
     options: &JobOptions,
 ) -> Result<Option<OpenedCache>, JobError> {
     if !matches!(settings.integrator, IntegratorSettings::Cached { .. }) {
-        return match spec.irradiance_cache {
-            Some(_) => Err(JobError::UnusedCache),
-            None => Ok(None),
+        return match (&spec.irradiance_cache, spec.cache_error_maps) {
+            (Some(_), _) => Err(JobError::UnusedCache),
+            (None, true) => Err(JobError::NoCacheError),
+            (None, false) => Ok(None),
         };
     }
     if let Some(file) = &spec.irradiance_cache

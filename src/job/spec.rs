@@ -31,6 +31,9 @@ pub struct Spec {
     /// Whether the error of every pixel is stored beside the frames.
     #[serde(default, skip_serializing_if = "is_default")]
     pub error_maps: bool,
+    /// Whether that which the irradiance cache makes is, too.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub cache_error_maps: bool,
     /// An irradiance cache that other jobs may share; none for one of the folder's own.
     #[serde(default, skip_serializing_if = "is_default")]
     pub irradiance_cache: Option<PathBuf>,
@@ -57,6 +60,7 @@ impl Spec {
             settings: Settings::default(),
             format: FrameFormat::default(),
             error_maps: false,
+            cache_error_maps: false,
             irradiance_cache: None,
             preview: false,
         }
@@ -181,6 +185,7 @@ mod tests {
             },
             format: FrameFormat::Exr,
             error_maps: true,
+            cache_error_maps: true,
             irradiance_cache: Some(file("shared.cache")),
             preview: true,
             ..plain.clone()

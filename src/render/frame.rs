@@ -27,6 +27,8 @@ pub struct RenderedFrame {
     pub half_difference: Option<Film>,
     /// The expected squared error of each pixel, relative to its [`normaliser`], up to a common factor.
     pub expected_errors: Vec<f32>,
+    /// The standard error of each pixel by the irradiance cache; none without, or if it was not asked for.
+    pub cache_errors: Option<Film>,
     /// The radiance that is displayed as white.
     pub display_white: f32,
     /// Its error.
@@ -127,6 +129,9 @@ impl Renderer<'_> {
         frame: u32,
         observer: &dyn RenderObserver,
     ) -> Option<RenderedFrame> {
+        if let Some(renderer) = self.instead(frame) {
+            return renderer.render_observed(camera, frame, observer);
+        }
         let grid = Grid::of(&self.settings);
         let sampler = Sampler::new(self, camera, frame);
         let mut samples = SampleAccumulator::new(grid, &sampler);
@@ -156,6 +161,7 @@ impl Renderer<'_> {
             (true, Some(cache)) => estimates.mean().plus_cache(cache),
         };
         Some(RenderedFrame {
+            cache_errors: self.cache_error_map(camera, frame, &picture.film),
             film: picture.film,
             half_difference: picture.half_difference,
             expected_errors,

@@ -17,6 +17,7 @@
 
 mod accumulator;
 mod adaptive;
+mod aov;
 mod block;
 mod effort;
 mod error_estimate;
@@ -39,6 +40,7 @@ mod sink;
 mod sink_error;
 mod squared_error;
 
+pub use aov::Aov;
 pub use error_estimate::{ErrorEstimate, FrameErrorEstimate};
 pub use flicker::Flicker;
 pub use frame::{RenderedFrame, frame_memory, tile_count};

@@ -227,7 +227,7 @@ mod tests {
             assert_ne!(frame, PANICS, "as planned");
             Ok(EncodedFrame {
                 image: Vec::new(),
-                error_map: None,
+                maps: Vec::new(),
             })
         }
 

@@ -94,6 +94,13 @@ impl RenderSettings {
         }
     }
 
+    /// Whether the error of an irradiance cache in a frame leaves too little of the target error: its upper 95 % bound is
+    /// above half of it.
+    pub fn cache_misses(&self, error: &ErrorEstimate) -> bool {
+        self.target_error
+            .is_some_and(|target| error.interval()[1] > 0.5 * target)
+    }
+
     /// The error that the samples of an adaptive frame may leave, given that of the irradiance cache: of a target error
     /// at least half, as more samples cannot make up for a cache that takes more than half. Nobody waits for noise to fall
     /// below [`RenderSettings::NOISE`] without asking for it.

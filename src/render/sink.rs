@@ -35,13 +35,13 @@ pub enum Claim<Lock> {
 pub struct EncodedFrame {
     /// The image.
     pub image: Vec<u8>,
-    /// The map of its error, if requested.
-    pub error_map: Option<Vec<u8>>,
+    /// The maps beside it, in the order of the sequence's.
+    pub maps: Vec<Vec<u8>>,
 }
 
 impl EncodedFrame {
     /// Bytes of all files.
     pub fn bytes(&self) -> usize {
-        self.image.len() + self.error_map.as_ref().map_or(0, Vec::len)
+        self.image.len() + self.maps.iter().map(Vec::len).sum::<usize>()
     }
 }

@@ -10,14 +10,13 @@
     reason = "a benchmark prints or fails"
 )]
 
-use flythrough::bake::{BakeState, cache_errors};
+use flythrough::bake::{BakeState, NoKeeper, cache_errors};
 use flythrough::camera_formats::load_camera_path;
 use flythrough::input::{GlobalIllumination, InputFiles, Mode, Settings, load_scene};
 use flythrough::integrator::IntegratorSettings;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
 use flythrough::render::{PixelSampling, RenderSettings, Renderer};
 use flythrough::sampling::Random;
-use std::convert::Infallible;
 use std::path::Path;
 use std::time::Instant;
 
@@ -60,8 +59,7 @@ fn main() {
     let start = Instant::now();
     let mut state = BakeState::new(bounces, path_traced.seed);
     let size = (path_traced.width, path_traced.height);
-    let room = &mut |_| Ok::<(), Infallible>(());
-    let Ok(()) = state.add_camera_path(&scene, &path, "path", size, 0, &|_, _| (), room);
+    let Ok(()) = state.add_camera_path(&scene, &path, "path", size, 0, &|_, _| (), &mut NoKeeper);
     let cache = state.irradiance_cache(&scene, "path").unwrap();
     let baked = start.elapsed().as_secs_f64();
     let [primary, secondary] = cache.record_count();

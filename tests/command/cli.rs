@@ -295,6 +295,46 @@ fn error_maps_are_kept_beside_the_frames() {
     assert!(noisy > 24 * 14, "{noisy}");
 }
 
+#[test]
+fn maps_of_the_cache_error_are_kept_beside_the_frames() {
+    let out = tempfile::tempdir().unwrap();
+    let given = [
+        "--mode",
+        "montecarlo",
+        "--samples",
+        "1",
+        "--frames",
+        "1",
+        "--aov",
+    ];
+    let more = [&given[..], &["error,cache-error"]].concat();
+    let (code, message) = render_small("test3", "test3", out.path(), &more);
+    assert_eq!(code, Some(2));
+    assert!(message.contains("--aov cache-error"), "{message}");
+    let more = [&more[..], &["--gi", "cached"]].concat();
+    assert_eq!(render_small("test3", "test3", out.path(), &more).0, Some(0));
+    for name in ["error_00001.exr", "cache_error_00001.exr"] {
+        let map = image::open(out.path().join(name)).unwrap().into_rgb32f();
+        assert_eq!(map.dimensions(), (24, 14));
+        assert!(map.as_raw().iter().all(|error| *error >= 0.0));
+        let seen = map.as_raw().iter().filter(|error| **error > 0.0).count();
+        assert!(seen > 2 * 24 * 14, "{name}: {seen}");
+    }
+    let fewer = [&given[..], &["error", "--gi", "cached"]].concat();
+    assert_eq!(
+        render_small("test3", "test3", out.path(), &fewer).0,
+        Some(0)
+    );
+    let stray = out.path().join("cache_error_00001.exr");
+    assert!(stray.is_file());
+    let clean = [&fewer[..], &["--clean"]].concat();
+    assert_eq!(
+        render_small("test3", "test3", out.path(), &clean).0,
+        Some(0)
+    );
+    assert!(!stray.is_file());
+}
+
 /// All frames end below the target, however many samples each of them takes.
 #[test]
 fn a_target_error_is_reached_in_every_frame() {

@@ -102,6 +102,7 @@ pub(crate) fn replace_frames(out: &Path, frames: &[u32], build: &str) {
             film: Film::new(width, height),
             half_difference: None,
             expected_errors: Vec::new(),
+            cache_errors: None,
             display_white: 1.0,
             error: FrameErrorEstimate {
                 whole: ErrorEstimate {

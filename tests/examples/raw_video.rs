@@ -52,7 +52,7 @@ impl FrameSink for RawVideo {
         rendered.film.expose(self.exposure);
         Ok(EncodedFrame {
             image: rendered.film.to_srgb8_dithered(frame),
-            error_map: None,
+            maps: Vec::new(),
         })
     }
 

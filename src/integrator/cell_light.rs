@@ -10,12 +10,13 @@ use crate::math::to_world;
 use crate::sampling::SobolSequence;
 use crate::scene::SurfacePoint;
 use glam::Vec3;
+use std::f32::consts::FRAC_1_SQRT_2;
 
 /// The validity radius of a record, in sides of its cell.
 const RADIUS: f32 = 2.0;
 
-/// The largest angle between normals, in radians.
-const MAX_ANGLE: f32 = 45_f32.to_radians();
+/// [The weight](IrradianceRecord::angle_weight) of angles of up to 45 degrees between normals.
+const ANGLE_WEIGHT: f32 = 1.0 / (1.0 - FRAC_1_SQRT_2);
 
 /// The light in cells of a scene.
 pub(super) struct CellLight<'a> {
@@ -37,12 +38,22 @@ impl CellLight<'_> {
         ends: &dyn CachedLight,
         query_state: &mut QueryState,
     ) -> Option<Vec3> {
+        if let Some(known) = self.cells.known(&cell, bounces_left) {
+            let (record, value) = known?;
+            if !self.is_valid(point, &record, query_state) {
+                return None;
+            }
+            if value.is_some() {
+                return value;
+            }
+        }
         let (scene, seed) = (self.final_gather.scene(), self.cells.settings().seed);
         let radius = RADIUS * cell.side();
-        // Its rays do not count as the point's: they are only traced for the first that asks.
-        let own = &mut QueryState::default();
-        let place = || record_in_cell(scene, &cell, radius, seed, own).map(|(_, record)| record);
-        let record = self.cells.record(cell, place)?;
+        let record = self.cells.record(cell, || {
+            // Its rays do not count as the point's: they are only traced for the first that asks.
+            let own = &mut QueryState::default();
+            record_in_cell(scene, &cell, radius, seed, own).map(|(_, record)| record)
+        })?;
         if !self.is_valid(point, &record.place, query_state) {
             return None;
         }
@@ -80,8 +91,7 @@ impl CellLight<'_> {
         if self.only_free && !record.is_free() {
             return false;
         }
-        let angle_weight = IrradianceRecord::angle_weight(MAX_ANGLE);
-        record.weight(point.position, point.shading_normal, angle_weight) > 0.0
+        record.weight(point.position, point.shading_normal, ANGLE_WEIGHT) > 0.0
             && sees_record(self.final_gather.scene(), point, record, query_state)
     }
 

@@ -114,8 +114,9 @@ fn side(level: i32) -> f32 {
 /// Single precision has 24 bits: cells below keep five of them.
 fn finest_level(position: Vec3) -> i32 {
     const BITS: i32 = 19;
-    let magnitude = position.abs().max_element().max(f32::MIN_POSITIVE);
-    (libm::log2f(magnitude).ceil() as i32 - BITS).clamp(-60, 60)
+    const BIAS: i32 = 127;
+    let exponent = position.abs().max_element().to_bits() >> (f32::MANTISSA_DIGITS - 1);
+    (exponent as i32 - BIAS + 1 - BITS).clamp(-60, 60)
 }
 
 /// The axis that a normal is nearest to, times two; one more if it is the negative one.

@@ -59,6 +59,21 @@ impl CellIrradiance {
         self.settings
     }
 
+    /// What is known of a cell: its record, if it has one, and the value of that with so many bounces left; none if nobody has
+    /// asked for it.
+    pub fn known(
+        &self,
+        cell: &CellKey,
+        bounces_left: u32,
+    ) -> Option<Option<(IrradianceRecord, Option<Vec3>)>> {
+        let found = self.cells.get(cell)?;
+        let value = |record: &Arc<CellRecord>| {
+            let value = record.values.get(bounces_left as usize - 1);
+            (record.place, value.and_then(|value| value.get().copied()))
+        };
+        Some(found.as_ref().map(value))
+    }
+
     /// The record of a cell, which stands where `place` says; none if that says so.
     pub fn record(
         &self,

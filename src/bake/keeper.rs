@@ -1,6 +1,6 @@
 //! What keeps a bake while it goes on.
 
-use super::BakeState;
+use super::bake_state::BakeState;
 use std::convert::Infallible;
 
 /// Keeps what is baked, so that what is interrupted goes on where it was. Its errors end the bake.

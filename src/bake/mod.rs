@@ -11,6 +11,7 @@
 //! The result is a function of scene, path and settings: it does not depend on the number of threads, nor on which
 //! frames are rendered with it.
 
+mod add_camera_path;
 mod bake_state;
 mod cache_file;
 mod candidates;
@@ -29,8 +30,9 @@ use crate::camera::CameraPath;
 use crate::irradiance_cache::IrradianceCache;
 use crate::render::{ErrorEstimate, RenderSettings};
 use crate::scene::Scene;
-use bake_state::GATHERED;
-pub use bake_state::{BakeState, Listener};
+use add_camera_path::GATHERED;
+pub use add_camera_path::Listener;
+pub use bake_state::BakeState;
 pub use cache_file::{CacheFile, CacheFileError};
 pub use keeper::{BakeKeeper, NoKeeper};
 pub use validation::cache_errors;

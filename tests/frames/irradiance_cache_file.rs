@@ -23,7 +23,7 @@ impl Folder {
         let folder = tempfile::tempdir().unwrap();
         for (name, x) in [("left", -0.6), ("right", 0.6)] {
             let text = format!(
-                "CameraPath(fps: 4, settings: (mode: \"montecarlo\", size: (48, 27)), keyframes: [
+                "CameraPath(fps: 4, settings: (mode: \"montecarlo\", bounces: 2, size: (48, 27)), keyframes: [
                     (time: 0.0, position: ({x}, 0.1, 2.9), look_at: ({x}, -0.3, 0), fov: 40),
                     (time: 0.75, position: ({x}, 0.0, 2.5), look_at: ({x}, -0.2, 0), fov: 40)])"
             );

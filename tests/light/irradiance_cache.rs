@@ -368,7 +368,7 @@ fn the_map_of_the_cache_error_shows_where_it_is() {
     let error = baked.errors[4].rel_mse;
     assert!((mean - error).abs() < 1e-3 * error, "{mean} {error}");
     let by_paths = RenderSettings {
-        integrator: monte_carlo(4, &[scaled(64, 128, 1024)]),
+        integrator: monte_carlo(4, &[scaled(256, 512, 4096)]),
         ..settings
     };
     let oracle = Renderer::new(&scene, by_paths, None).unwrap();

@@ -107,6 +107,7 @@ impl BakeState {
         }
         let records: Vec<RecordKey> = records.into_keys().collect();
         let fits = self.lights[light].fits(scene, self.bounces, &records);
+        let replaced = self.path(name).map(|path| path.settings);
         self.paths.retain(|path| path.name != name);
         self.paths.push(PathRecords {
             name: name.to_owned(),
@@ -117,6 +118,12 @@ impl BakeState {
             display_white: 0.0,
             errors: None,
         });
+        // What the level before needed is of no use to others.
+        if let Some(replaced) = replaced
+            && self.paths.iter().all(|path| path.settings != replaced)
+        {
+            self.lights.retain(|light| light.settings() != replaced);
+        }
         Ok(())
     }
 

@@ -61,7 +61,7 @@ impl BakeState {
         self.paths.iter().map(|path| &*path.name)
     }
 
-    fn path(&self, name: &str) -> Option<&PathRecords> {
+    pub(super) fn path(&self, name: &str) -> Option<&PathRecords> {
         self.paths.iter().find(|path| path.name == name)
     }
 

@@ -15,7 +15,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 /// How far neighbours are, in radii of the record, from few to many.
-const REACHES: [f32; 3] = [1.6, 2.6, 4.0];
+const REACHES: [f32; 3] = [1.9, 3.1, 4.8];
 
 /// Neighbours whose radii differ by up to this factor count.
 const MAX_RATIO: f32 = 2.1;

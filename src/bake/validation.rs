@@ -60,6 +60,9 @@ pub fn cache_errors(
     cache: &IrradianceCache,
 ) -> Result<Vec<ErrorEstimate>, IntegratorError> {
     let bounces = settings.integrator.bounces();
+    if bounces == 0 {
+        return Ok(Vec::new());
+    }
     // One sample in the middle of each pixel: aliasing of edges is no error of the cache.
     let of_integrator = |integrator: IntegratorSettings, cache| {
         let settings = RenderSettings {
@@ -79,9 +82,6 @@ pub fn cache_errors(
         of_integrator(cached(), &half_a)?,
         of_integrator(cached(), &half_b)?,
     );
-    if bounces == 0 {
-        return Ok(Vec::new());
-    }
     let frames = path.timeline().frame_count();
     let survey = Survey {
         path,

@@ -4,6 +4,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod cache_bakes;
 mod cache_cases;
 mod convergence;
 mod emitters;

@@ -4,13 +4,14 @@ use super::cached_light::CachedLight;
 use super::cell_place::{place_in_cell, record_in_cell, sees_record};
 use super::final_gather::{FinalGather, GatherPaths, GatherPoint, gather_for};
 use crate::accel::QueryState;
-use crate::irradiance_cache::{CellIrradiance, CellKey, IrradianceRecord};
+use crate::irradiance_cache::{CellIrradiance, CellKey, CellRecord, IrradianceRecord};
 use crate::material::Features;
 use crate::math::to_world;
 use crate::sampling::SobolSequence;
 use crate::scene::SurfacePoint;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_SQRT_2;
+use std::sync::Arc;
 
 /// The validity radius of a record, in sides of its cell.
 const RADIUS: f32 = 2.0;
@@ -38,27 +39,29 @@ impl CellLight<'_> {
         ends: &dyn CachedLight,
         query_state: &mut QueryState,
     ) -> Option<Vec3> {
-        if let Some(known) = self.cells.known(&cell, bounces_left) {
-            let (record, value) = known?;
-            if !self.is_valid(point, &record, query_state) {
-                return None;
-            }
-            if value.is_some() {
-                return value;
-            }
-        }
-        let (scene, seed) = (self.final_gather.scene(), self.cells.settings().seed);
-        let radius = RADIUS * cell.side();
-        let record = self.cells.record(cell, || {
-            // Its rays do not count as the point's: they are only traced for the first that asks.
-            let own = &mut QueryState::default();
-            record_in_cell(scene, &cell, radius, seed, own).map(|(_, record)| record)
-        })?;
-        if !self.is_valid(point, &record.place, query_state) {
+        let (place, value) = match self.cells.known(&cell, bounces_left) {
+            Some(known) => known?,
+            None => (self.record(cell)?.place, None),
+        };
+        if !self.is_valid(point, &place, query_state) {
             return None;
         }
+        if value.is_some() {
+            return value;
+        }
+        let record = self.record(cell)?;
         let value = record.values.get(bounces_left as usize - 1)?;
         Some(*value.get_or_init(|| self.gather::<F>(&cell, bounces_left, ends)))
+    }
+
+    /// The record of a cell. The rays that find its place are not those of the point that asks: others find it there.
+    fn record(&self, cell: CellKey) -> Option<Arc<CellRecord>> {
+        let (scene, seed) = (self.final_gather.scene(), self.cells.settings().seed);
+        self.cells.record(cell, || {
+            let query_state = &mut QueryState::default();
+            let radius = RADIUS * cell.side();
+            record_in_cell(scene, &cell, radius, seed, query_state).map(|(_, record)| record)
+        })
     }
 
     /// The value around a point of a cell close by, by chance, as two random numbers say: in the mean, edges of cells vanish;

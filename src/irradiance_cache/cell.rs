@@ -170,6 +170,28 @@ mod tests {
         }
     }
 
+    /// What a narrow cell holds faces about the same way, and along the axis of the wide one.
+    #[test]
+    fn narrow_cells_face_one_way() {
+        let mut random = Random::new(3);
+        let mut seen = 0;
+        for _ in 0..40_000 {
+            let normal = random.vector(1.0).normalize();
+            let other = (normal + random.vector(0.5)).normalize();
+            let [narrow, wide] = [CellKey::narrow, CellKey::containing]
+                .map(|cell_of| cell_of(Vec3::ZERO, normal, 0));
+            assert_eq!(narrow.axis(), wide.axis());
+            assert_ne!(narrow, wide);
+            assert!(narrow.faces(normal));
+            if narrow.faces(other) {
+                seen += 1;
+                assert!(wide.faces(other));
+                assert!(normal.dot(other) > 32_f32.to_radians().cos());
+            }
+        }
+        assert!(seen > 4_000, "{seen}");
+    }
+
     #[test]
     fn sides_are_powers_of_two() {
         for (side, level) in [(1.0, 0), (0.99, -1), (0.5, -1), (3.0, 1), (0.0, -60)] {

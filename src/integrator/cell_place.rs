@@ -1,9 +1,10 @@
 //! Where the record of a cell stands, and what sees it.
 
 use crate::accel::QueryState;
+use crate::geometry::Hit;
 use crate::irradiance_cache::{CellKey, IrradianceRecord};
 use crate::material::FeatureMask;
-use crate::math::{NO_PRIMITIVE, Ray};
+use crate::math::Ray;
 use crate::sampling::SobolSequence;
 use crate::scene::{Scene, SurfacePoint};
 use glam::{Vec3, Vec3Swizzles};
@@ -92,14 +93,10 @@ pub(super) fn place_in_cell(
     for index in 0..ALL {
         let width = if index < MIDDLE { 0.5 * side } else { side };
         let [u, v] = sequence.sample_2d(index, 0).map(|u| (u - 0.5) * width);
-        let mut ray = Ray {
-            origin: top + u * axis.yzx().abs() + v * axis.zxy().abs(),
-            direction: -axis,
-            t_max: side,
-            exclude: NO_PRIMITIVE,
-        };
+        let mut ray = Ray::new(top + u * axis.yzx().abs() + v * axis.zxy().abs(), -axis);
+        let mut left = side;
         for _ in 0..LAYERS {
-            let Some(hit) = scene.closest(&ray, query_state) else {
+            let Some(hit) = closest_within(scene, &ray, left, query_state) else {
                 break;
             };
             let point = scene.surface::<FeatureMask<0>>(&ray, &hit).point;
@@ -107,8 +104,8 @@ pub(super) fn place_in_cell(
                 return Some(point);
             }
             let below = point.position - point.geometric_normal * point.offset;
+            left = side - (top - below).dot(axis);
             ray = Ray {
-                t_max: side - (top - below).dot(axis),
                 origin: below,
                 exclude: point.exclude,
                 ..ray
@@ -125,12 +122,19 @@ fn eye_above(
     height: f32,
     query_state: &mut QueryState,
 ) -> Vec3 {
-    let ray = Ray {
-        t_max: 2.0 * height,
-        ..point.spawn_ray(point.geometric_normal)
-    };
-    let free = scene
-        .closest(&ray, query_state)
+    let ray = point.spawn_ray(point.geometric_normal);
+    let free = closest_within(scene, &ray, 2.0 * height, query_state)
         .map_or(2.0 * height, |hit| hit.t as f32);
     point.position + 0.5 * free * point.geometric_normal
+}
+
+/// The closest hit of a ray of unit direction that is no farther than `length` metres.
+fn closest_within(
+    scene: &Scene,
+    ray: &Ray,
+    length: f32,
+    query_state: &mut QueryState,
+) -> Option<Hit> {
+    let hit = scene.closest(ray, query_state);
+    hit.filter(|hit| hit.t <= f64::from(length))
 }

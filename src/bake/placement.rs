@@ -230,8 +230,8 @@ impl<'a> Placement<'a> {
             let narrow = (level <= finest).then(|| CellKey::narrow(position, normal, level));
             [Some(CellKey::containing(position, normal, level)), narrow]
         };
-        let cells = (finest - BELOW..=level).rev().flat_map(of_level).flatten();
-        cells.into_iter().find_map(|cell| {
+        let mut cells = (finest - BELOW..=level).rev().flat_map(of_level).flatten();
+        cells.find_map(|cell| {
             let record = self.record(&cell);
             let placed = record.filter(|placed| self.covers(&placed.record, point))?;
             let above = (cell.level() - finest).max(0) as u8;

@@ -61,11 +61,8 @@ impl CachedIrradiance<'_> {
             .map(|point| (point.position, point.shading_normal))
             .collect();
         let blocked = |pairs: &[(u32, Vec3)]| {
-            let rays = pairs
-                .iter()
-                .map(|&(number, eye)| sight_ray(points[number as usize], eye));
-            let rays: Vec<Option<Ray>> = rays.collect();
-            occluded_or_none(scene, &rays, query_state)
+            let sight = |&(number, eye): &(u32, Vec3)| sight_ray(points[number as usize], eye);
+            occluded_or_none(scene, pairs.iter().map(sight), query_state)
         };
         let found = primary.mean_radiance(&places, scene.kernel(), blocked);
         for (index, light) in indices.into_iter().zip(found) {
@@ -134,12 +131,14 @@ impl CachedIrradiance<'_> {
 }
 
 /// The mask of up to sixteen coherent rays that are occluded, or are none.
-fn occluded_or_none(scene: &Scene, rays: &[Option<Ray>], query_state: &mut QueryState) -> u32 {
-    let lanes = 0..rays.len() as u32;
-    let (lanes, traced): (Vec<u32>, Vec<Ray>) = lanes
-        .zip(rays)
-        .filter_map(|(lane, ray)| Some((lane, (*ray)?)))
-        .unzip();
+fn occluded_or_none(
+    scene: &Scene,
+    rays: impl Iterator<Item = Option<Ray>>,
+    query_state: &mut QueryState,
+) -> u32 {
+    let traced = (0..).zip(rays);
+    let traced = traced.filter_map(|(lane, ray): (u32, _)| Some((lane, ray?)));
+    let (lanes, traced): (Vec<u32>, Vec<Ray>) = traced.unzip();
     let mut blocked = u32::MAX;
     if !traced.is_empty() {
         let occluded = scene.occluded_mask(&traced, query_state);

@@ -2,14 +2,15 @@
 //! things seen closely and late, narrow gaps, sharp indirect shadows.
 
 use crate::support::*;
+use flythrough::accel::QueryState;
 use flythrough::bake::{Baked, bake};
 use flythrough::camera::{
     CameraPath, CameraPathTiming, Interpolation, Keyframe, Orientation, Segment,
 };
-use flythrough::integrator::IntegratorSettings;
+use flythrough::integrator::{IntegratorSettings, record_in_cell};
+use flythrough::irradiance_cache::CellKey;
 use flythrough::metrics::{BiasCheck, HeldOutPixel};
 use flythrough::render::{PixelSampling, RenderSettings, Renderer};
-use flythrough::sampling::Random;
 use flythrough::scene::Scene;
 use glam::{DVec3, Vec3};
 use std::fmt::Write;
@@ -18,10 +19,10 @@ const SIZE: (u32, u32) = (80, 48);
 const BLOCK: u32 = 8;
 
 /// Where the camera is, what it looks at, and the field of view in degrees.
-type View = (DVec3, DVec3, f64);
+pub(crate) type View = (DVec3, DVec3, f64);
 
 /// A path whose frames are these views.
-fn path_of(views: &[View]) -> CameraPath {
+pub(crate) fn path_of(views: &[View]) -> CameraPath {
     let key = |(frame, (position, target, degrees)): (usize, &View)| Keyframe {
         time: frame as f64,
         position: *position,
@@ -36,16 +37,16 @@ fn path_of(views: &[View]) -> CameraPath {
     CameraPath::new(1.0, &keys, &CameraPathTiming::BY_KEYS).unwrap()
 }
 
-fn v(x: f64, y: f64, z: f64) -> DVec3 {
+pub(crate) fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
 /// Objects of a scene file.
 #[derive(Default)]
-struct Objects(String);
+pub(crate) struct Objects(String);
 
 impl Objects {
-    fn quad(&mut self, corners: [DVec3; 4], material: &str) {
+    pub(crate) fn quad(&mut self, corners: [DVec3; 4], material: &str) {
         let [a, b, c, d] = corners.map(|p| format!("({}, {}, {})", p.x, p.y, p.z));
         for [a, b, c] in [[&a, &b, &c], [&a, &c, &d]] {
             let vertices = format!("vertices: [{a}, {b}, {c}]");
@@ -54,7 +55,7 @@ impl Objects {
     }
 
     /// A closed box.
-    fn cuboid(&mut self, low: DVec3, high: DVec3, material: &str) {
+    pub(crate) fn cuboid(&mut self, low: DVec3, high: DVec3, material: &str) {
         for axis in 0..3 {
             let [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
             for side in [low, high] {
@@ -70,7 +71,7 @@ impl Objects {
         }
     }
 
-    fn sphere(&mut self, center: DVec3, radius: f64, material: &str) {
+    pub(crate) fn sphere(&mut self, center: DVec3, radius: f64, material: &str) {
         let DVec3 { x, y, z } = center;
         let center = format!("center: ({x}, {y}, {z})");
         writeln!(
@@ -81,7 +82,7 @@ impl Objects {
     }
 
     /// With a room four metres wide and deep and 2.5 high around them, or without.
-    fn scene(mut self, has_room: bool, lights: &str) -> Scene {
+    pub(crate) fn scene(mut self, has_room: bool, lights: &str) -> Scene {
         if has_room {
             self.cuboid(v(-2.0, 0.0, -2.0), v(2.0, 2.5, 2.0), "wall");
         }
@@ -97,11 +98,11 @@ impl Objects {
 
 /// What a cache does in a frame.
 #[derive(Debug)]
-struct Outcome {
+pub(crate) struct Outcome {
     /// The true relMSE, with its standard error.
-    error: [f64; 2],
+    pub(crate) error: [f64; 2],
     /// The upper bound that is claimed.
-    bound: f64,
+    pub(crate) bound: f64,
     /// By how much the worst block of 8 x 8 pixels is off, relative to its mean and beyond three standard errors of path
     /// tracing.
     worst_block: f64,
@@ -114,7 +115,7 @@ fn cached_settings() -> RenderSettings {
     }
 }
 
-fn baked(scene: &Scene, path: &CameraPath) -> Baked {
+pub(crate) fn baked(scene: &Scene, path: &CameraPath) -> Baked {
     bake(scene, path, "path", &cached_settings(), None, &|_, _| ())
 }
 
@@ -131,7 +132,13 @@ fn all_pixels() -> Vec<(u32, u32)> {
         .collect()
 }
 
-fn outcome(scene: &Scene, path: &CameraPath, baked: &Baked, frame: u32, paths: u32) -> Outcome {
+pub(crate) fn outcome(
+    scene: &Scene,
+    path: &CameraPath,
+    baked: &Baked,
+    frame: u32,
+    paths: u32,
+) -> Outcome {
     let technique = cached(scene, path, baked, frame);
     let by_paths = RenderSettings {
         integrator: monte_carlo(4, &[paths]),
@@ -221,6 +228,44 @@ fn closed_boxes_are_black_inside() {
             "{size}"
         );
     }
+}
+
+/// Points behind a thin wall may not see what stands before it, however close they are to its foot.
+#[test]
+fn the_foot_of_a_wall_ends_what_is_free() {
+    let mut objects = Objects::default();
+    let wall = [
+        v(0.0, 0.0, -2.0),
+        v(0.0, 0.0, 2.0),
+        v(0.0, 1.0, 2.0),
+        v(0.0, 1.0, -2.0),
+    ];
+    objects.quad(wall, "thing");
+    let scene = objects.scene(true, &lamp());
+    let [x0, z0] = [-scene.origin.x as f32, -scene.origin.z as f32];
+    let mut seen = 0;
+    for step in 1..200 {
+        let position = Vec3::new(x0 - 0.002 * step as f32, -scene.origin.y as f32, z0);
+        let cell = CellKey::containing(position, Vec3::Y, -6);
+        let query_state = &mut QueryState::default();
+        let found = record_in_cell(&scene, &cell, 0.2, 0, query_state);
+        let Some((_, record)) = found.filter(|(_, record)| record.position.x < x0) else {
+            continue;
+        };
+        let distance = x0 - record.position.x;
+        let at = |x: f32| Vec3 {
+            x,
+            ..record.position
+        };
+        let behind = at(x0 + 0.002 * distance);
+        let before = at(x0 - 0.1 * distance);
+        if distance < 0.19 {
+            seen += 1;
+            assert!(record.is_doubtful(behind, Vec3::Y), "{record:?}");
+            assert!(!record.is_doubtful(before, Vec3::Y), "{record:?}");
+        }
+    }
+    assert!(seen > 50, "{seen}");
 }
 
 /// Frames of hard scenes have an error within the bound that is claimed, and no block of pixels is far off.
@@ -313,96 +358,4 @@ fn hard_scenes_are_right_and_their_bounds_hold() {
             assert!(outcome.worst_block < 0.05, "{name} {frame}: {outcome:?}");
         }
     }
-}
-
-/// A room with things at random, by number, and views of it from afar and from near.
-fn random_case(number: u32) -> (Scene, Vec<View>) {
-    let mut random = Random::new((1000 + number).into());
-    let mut between = move |low: f64, high: f64| low + (high - low) * f64::from(random.unit());
-    let mut objects = Objects::default();
-    let mut targets = Vec::new();
-    for _ in 0..4 {
-        let place = v(between(-1.5, 1.5), 0.0, between(-1.5, 1.5));
-        // From a centimetre to a metre.
-        let size = 0.01 * 100_f64.powf(between(0.0, 1.0));
-        let kind = between(0.0, 6.0) as u32;
-        match kind {
-            // On the floor, or over a gap.
-            0 | 1 => {
-                let gap = if kind == 0 {
-                    -0.1
-                } else {
-                    between(0.01, 0.2) * size
-                };
-                let half = 0.5 * size;
-                objects.cuboid(
-                    place + v(-half, gap, -half),
-                    place + v(half, size * between(0.3, 1.5), half),
-                    "thing",
-                );
-            }
-            2 => objects.sphere(
-                place + v(0.0, size * between(0.4, 0.6), 0.0),
-                0.5 * size,
-                "thing",
-            ),
-            // Boards above each other.
-            3 => {
-                for board in 0..6 {
-                    let y = 0.2 * size * f64::from(board + 1);
-                    objects.cuboid(
-                        place + v(-size, y, -0.5 * size),
-                        place + v(size, y + 0.01 * size, 0.5 * size),
-                        "thing",
-                    );
-                }
-            }
-            // A screen that stands a little above the floor.
-            4 => objects.cuboid(
-                place + v(-size, 0.02 * size, 0.0),
-                place + v(size, 1.5 * size, 0.002),
-                "thing",
-            ),
-            _ => objects.sphere(place + v(0.0, 0.5 * size, 0.0), 0.5 * size, "mirror"),
-        }
-        targets.push((place + v(0.0, 0.3 * size, 0.0), size));
-    }
-    let light_at = v(between(-1.7, 1.7), between(0.3, 2.4), between(-1.7, 1.7));
-    let lights = light(
-        &format!("({}, {}, {})", light_at.x, light_at.y, light_at.z),
-        6.0,
-    );
-    let scene = objects.scene(true, &lights);
-    let mut views = vec![(v(1.7, 1.5, 1.7), v(0.0, 0.4, 0.0), 70.0)];
-    for (target, size) in targets {
-        let direction = v(between(-1.0, 1.0), between(0.2, 1.0), between(-1.0, 1.0)).normalize();
-        let eye = target + direction * (2.5 * size).clamp(0.02, 1.5);
-        let eye = eye.clamp(v(-1.95, 0.005, -1.95), v(1.95, 2.4, 1.95));
-        views.push((eye, target, 50.0));
-    }
-    (scene, views)
-}
-
-/// Of frames of random scenes that nothing was tuned on, the error is above the bound in one of twenty at most, and then by
-/// at most half.
-#[test]
-fn bounds_hold_in_random_scenes() {
-    let cases = scaled(1, 2, 60);
-    let paths = scaled(64, 128, 512);
-    let (mut frames, mut above) = (0, 0);
-    for number in 0..cases {
-        let (scene, views) = random_case(number);
-        let path = path_of(&views);
-        let baked = baked(&scene, &path);
-        for frame in [0, 1 + number % 4] {
-            let outcome = outcome(&scene, &path, &baked, frame, paths);
-            let [error, standard_error] = outcome.error;
-            let ratio = (error - 2.0 * standard_error) / outcome.bound;
-            frames += 1;
-            above += u32::from(ratio > 1.0);
-
-            assert!(ratio < 1.5, "{number} {frame}: {outcome:?}");
-        }
-    }
-    assert!(20 * above <= frames.max(20), "{above} of {frames}");
 }

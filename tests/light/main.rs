@@ -13,4 +13,5 @@ mod invariants;
 mod irradiance_cache;
 mod mitsuba;
 mod physics;
+mod random_cache_cases;
 mod sky;
